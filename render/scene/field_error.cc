@@ -1,0 +1,49 @@
+#include "render/scene/field_error.h"
+
+#include "absl/strings/cord.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+
+namespace penumbra {
+namespace {
+
+constexpr char kFieldPayload[] = "penumbra/field";
+constexpr char kReasonPayload[] = "penumbra/reason";
+
+absl::string_view View(std::string_view text) { return {text.data(), text.size()}; }
+
+std::string Payload(const absl::Status& status, const char* name) {
+  const auto payload = status.GetPayload(name);
+  return payload ? std::string(*payload) : std::string();
+}
+
+}  // namespace
+
+absl::Status FieldError(absl::StatusCode code, std::string_view reason, std::string_view field_path,
+                        std::string_view found_and_need) {
+  absl::Status status(code, field_path.empty()
+                                ? std::string(found_and_need)
+                                : absl::StrCat(View(field_path), ": ", View(found_and_need)));
+  if (!field_path.empty()) status.SetPayload(kFieldPayload, absl::Cord(View(field_path)));
+  status.SetPayload(kReasonPayload, absl::Cord(View(reason)));
+  return status;
+}
+
+std::string ErrorFieldPath(const absl::Status& status) { return Payload(status, kFieldPayload); }
+
+std::string ErrorReason(const absl::Status& status) { return Payload(status, kReasonPayload); }
+
+absl::Status WithFieldPrefix(const absl::Status& status, std::string_view prefix) {
+  if (status.ok()) return status;
+  const std::string field = ErrorFieldPath(status);
+  absl::Status prefixed(status.code(), field.empty()
+                                           ? absl::StrCat(View(prefix), ": ", status.message())
+                                           : absl::StrCat(View(prefix), status.message()));
+  status.ForEachPayload([&](absl::string_view name, const absl::Cord& value) {
+    prefixed.SetPayload(name, value);
+  });
+  prefixed.SetPayload(kFieldPayload, absl::Cord(absl::StrCat(View(prefix), field)));
+  return prefixed;
+}
+
+}  // namespace penumbra

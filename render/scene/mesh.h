@@ -1,0 +1,68 @@
+// An immutable indexed triangle mesh, named by the SHA-256 of its bytes.
+//
+//   auto mesh = Mesh::Create({.positions = …, .indices = …});
+//   if (!mesh.ok()) return mesh.status();
+//   scene_delta.upsert_instances.push_back({.id = "table", .mesh = *mesh});
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "render/math/aabb.h"
+#include "render/math/vec.h"
+#include "render/scene/content_hash.h"
+#include "render/scene/scene_limits.h"
+
+namespace penumbra {
+
+// V vertices and T triangles. `normals` and `uvs` are empty or hold one entry a vertex.
+struct MeshGeometry {
+  std::vector<Vec3> positions;    // V, in metres, mesh space
+  std::vector<uint32_t> indices;  // 3T, each < V; front faces run counter-clockwise
+  std::vector<Vec3> normals;      // 0 or V; for display only, shadows do not use them
+  std::vector<Vec2> uvs;          // 0 or V; for alpha masks
+};
+
+class Mesh {
+ public:
+  // Checks and keeps `geometry`, with −0 turned into 0 so that equal shapes have equal names.
+  // A mesh of no triangles is allowed and casts nothing; so are triangles of no area.
+  //
+  // Errors  kInvalidArgument, reasons NON_FINITE, OUT_OF_BOUNDS, INDEX_RANGE, LENGTH;
+  //         kResourceExhausted, reason TOO_LARGE. The field path is the member's name.
+  static absl::StatusOr<std::shared_ptr<const Mesh>> Create(MeshGeometry geometry,
+                                                            const SceneLimits& limits = {});
+
+  const ContentHash& id() const { return id_; }
+  std::span<const Vec3> positions() const { return geometry_.positions; }
+  std::span<const uint32_t> indices() const { return geometry_.indices; }
+  std::span<const Vec3> normals() const { return geometry_.normals; }
+  std::span<const Vec2> uvs() const { return geometry_.uvs; }
+  const MeshGeometry& geometry() const { return geometry_; }
+  size_t vertex_count() const { return geometry_.positions.size(); }
+  size_t triangle_count() const { return geometry_.indices.size() / 3; }
+  const Aabb& bounds() const { return bounds_; }
+  // Triangles that repeat a corner or have no area; they cast no shadow.
+  size_t degenerate_triangle_count() const { return degenerate_triangle_count_; }
+
+  // Whether every edge, with vertices at equal positions taken as one, joins exactly two faces that
+  // run along it in opposite directions: then front faces alone cast the whole shadow.
+  // Found on first use, kept with the mesh; any thread may ask.
+  bool is_closed() const;
+
+ private:
+  Mesh() = default;
+
+  MeshGeometry geometry_;
+  ContentHash id_;
+  Aabb bounds_;
+  size_t degenerate_triangle_count_ = 0;
+  mutable std::once_flag is_closed_once_;
+  mutable bool is_closed_ = false;
+};
+
+}  // namespace penumbra
