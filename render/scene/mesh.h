@@ -15,6 +15,7 @@
 #include "render/math/aabb.h"
 #include "render/math/vec.h"
 #include "render/scene/content_hash.h"
+#include "render/scene/mesh_closure.h"
 #include "render/scene/scene_limits.h"
 
 namespace penumbra {
@@ -33,7 +34,8 @@ class Mesh {
   // A mesh of no triangles is allowed and casts nothing; so are triangles of no area.
   //
   // Errors  kInvalidArgument, reasons NON_FINITE, OUT_OF_BOUNDS, INDEX_RANGE, LENGTH;
-  //         kResourceExhausted, reason TOO_LARGE. The field path is the member's name.
+  //         kResourceExhausted, reasons QUOTA_VERTICES, QUOTA_TRIANGLES.
+  //         The field path is the member's name with its index, "positions[3]".
   static absl::StatusOr<std::shared_ptr<const Mesh>> Create(MeshGeometry geometry,
                                                             const SceneLimits& limits = {});
 
@@ -49,10 +51,8 @@ class Mesh {
   // Triangles that repeat a corner or have no area; they cast no shadow.
   size_t degenerate_triangle_count() const { return degenerate_triangle_count_; }
 
-  // Whether every edge, with vertices at equal positions taken as one, joins exactly two faces that
-  // run along it in opposite directions: then front faces alone cast the whole shadow.
   // Found on first use, kept with the mesh; any thread may ask.
-  bool is_closed() const;
+  MeshClosure closure() const;
 
  private:
   Mesh() = default;
@@ -61,8 +61,8 @@ class Mesh {
   ContentHash id_;
   Aabb bounds_;
   size_t degenerate_triangle_count_ = 0;
-  mutable std::once_flag is_closed_once_;
-  mutable bool is_closed_ = false;
+  mutable std::once_flag closure_once_;
+  mutable MeshClosure closure_ = MeshClosure::kOpen;
 };
 
 }  // namespace penumbra

@@ -1,0 +1,154 @@
+#include "render/engine/channel.h"
+
+#include <algorithm>
+#include <exception>
+#include <new>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace penumbra {
+
+Channel::Channel(ArtifactSpec spec, const Technique& technique, const JobResources& resources)
+    : spec_(std::move(spec)), technique_(technique), resources_(resources) {}
+
+void Channel::Add(std::shared_ptr<Subscriber> subscriber, std::shared_ptr<const Scene> scene) {
+  std::lock_guard lock(mutex_);
+  if (newest_) subscriber->Offer(*newest_);
+  subscribers_.push_back(std::move(subscriber));
+  if (head_) return;
+  head_ = std::move(scene);
+  Enqueue();
+}
+
+bool Channel::Remove(const Subscriber* subscriber) {
+  {
+    std::lock_guard lock(mutex_);
+    std::erase_if(subscribers_, [&](const auto& s) { return s.get() == subscriber; });
+    if (!subscribers_.empty()) return false;
+  }
+  End(absl::OkStatus());
+  return true;
+}
+
+void Channel::OnCommit(std::shared_ptr<const Scene> after, SceneChange& change) {
+  std::optional<std::stop_source> stop;
+  {
+    std::lock_guard lock(mutex_);
+    head_ = std::move(after);
+    if (ended_ || queued_) return;  // the job that waits will take the head
+    const bool is_error = newest_ && !newest_->status.ok();
+    if ((is_error && !job_) || change.Affects(spec_)) {
+      newest_is_stale_ = true;
+      if (!job_) {
+        Enqueue();
+      } else {
+        job_->superseded = true;
+        if (job_->published) stop = job_->stop;
+      }
+    } else {
+      ++resources_.counters.unaffected_commits;
+      if (job_ && !job_->superseded) job_->holds_until = head_->revision();
+      if (newest_ && !newest_is_stale_ && !is_error) {
+        ArtifactUpdate same = *newest_;
+        same.revision = head_->revision();
+        Publish(std::move(same));
+      }
+    }
+  }
+  if (stop) stop->request_stop();
+}
+
+void Channel::End(const absl::Status& reason) {
+  std::optional<std::stop_source> stop;
+  {
+    std::lock_guard lock(mutex_);
+    if (!ended_ && !reason.ok()) Publish({head_->revision(), reason, nullptr});
+    ended_ = true;
+    if (job_) stop = job_->stop;
+  }
+  if (stop) stop->request_stop();
+}
+
+void Channel::Enqueue() {
+  queued_ = true;
+  resources_.runners.Post([self = shared_from_this()] { self->RunJob(); });
+}
+
+void Channel::Publish(ArtifactUpdate update) {
+  for (const auto& subscriber : subscribers_) subscriber->Offer(update);
+  newest_ = std::move(update);
+}
+
+void Channel::RunJob() {
+  std::shared_ptr<const Scene> scene;
+  std::stop_token stop;
+  {
+    std::lock_guard lock(mutex_);
+    queued_ = false;
+    if (ended_) return;
+    Job& job = job_.emplace(Job{.scene = head_, .holds_until = head_->revision()});
+    scene = job.scene;
+    stop = job.stop.get_token();
+  }
+  ++resources_.counters.jobs_started;
+  absl::StatusOr<Artifact> result = Compute(*scene, stop);
+  std::lock_guard lock(mutex_);
+  const Job job = *std::exchange(job_, std::nullopt);
+  Finish(job, std::move(result));
+}
+
+absl::StatusOr<Artifact> Channel::Compute(const Scene& scene, std::stop_token stop) {
+  const ComputeContext context{.arena = resources_.arena,
+                               .gl = nullptr,
+                               .stop = std::move(stop),
+                               .progress = [this](Artifact pass) { OnPass(std::move(pass)); },
+                               .now_ms = resources_.now_ms};
+  try {
+    return technique_.Compute(scene, spec_, context);
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat(std::string(technique_.info().name), ": out of memory"));
+  } catch (const std::exception& error) {
+    return absl::InternalError(
+        absl::StrCat(std::string(technique_.info().name), ": ", error.what()));
+  }
+}
+
+void Channel::OnPass(Artifact artifact) {
+  std::optional<std::stop_source> stop;
+  auto shared = std::make_shared<const Artifact>(std::move(artifact));
+  {
+    std::lock_guard lock(mutex_);
+    if (ended_ || !job_ || (job_->superseded && job_->published)) return;
+    if (!std::exchange(job_->published, true)) ++resources_.counters.first_passes;
+    ++resources_.counters.artifacts_published;
+    if (job_->superseded) stop = job_->stop;
+    newest_is_stale_ = job_->superseded;
+    Publish({job_->holds_until, absl::OkStatus(), std::move(shared)});
+  }
+  if (stop) stop->request_stop();
+}
+
+void Channel::Finish(const Job& job, absl::StatusOr<Artifact> result) {
+  EngineCounters& counters = resources_.counters;
+  const bool superseded_and_shown = job.superseded && job.published;
+  if (ended_ || superseded_and_shown || (job.superseded && absl::IsCancelled(result.status()))) {
+    ++counters.jobs_cancelled;
+  } else if (!result.ok()) {
+    ++counters.jobs_failed;
+    newest_is_stale_ = job.superseded;
+    Publish({job.holds_until, result.status(), nullptr});
+  } else {
+    ++counters.jobs_finished;
+    ++counters.artifacts_published;
+    if (!job.published) ++counters.first_passes;
+    newest_is_stale_ = job.superseded;
+    Publish({job.holds_until, absl::OkStatus(), std::make_shared<const Artifact>(*std::move(result))});
+  }
+  // Commits that do not affect an artifact may still mend an error.
+  const bool may_be_mended = !result.ok() && head_ != job.scene;
+  if (!ended_ && (job.superseded || may_be_mended)) Enqueue();
+}
+
+}  // namespace penumbra

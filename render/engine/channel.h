@@ -1,0 +1,82 @@
+// One artifact kept up to date for all who subscribe to it: a scene's newest snapshot goes in, jobs
+// run one at a time, and their artifacts go to every subscriber.
+//
+// Which job runs, when commits come faster than jobs end: the newest revision wins, but not at the
+// price of silence. A commit that affects the artifact supersedes the running job; the job's stop
+// token fires at once if the job has published something, and otherwise right after it publishes
+// its first, coarse pass (under the revision it holds for). So a steady stream of commits still
+// yields one coarse artifact a job, no job computes more than that for a past revision, and the
+// revision after which the stream pauses is computed to the end.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "render/engine/engine.h"
+#include "render/engine/engine_statistics.h"
+#include "render/engine/scene_change.h"
+#include "render/engine/subscriber.h"
+#include "render/engine/worker_pool.h"
+#include "render/technique/technique.h"
+#include "tbb/task_arena.h"
+
+namespace penumbra {
+
+// What jobs run on. Outlives the jobs, not the channels.
+struct JobResources {
+  WorkerPool& runners;
+  tbb::task_arena& arena;
+  MonotonicClock now_ms;
+  EngineCounters& counters;
+};
+
+class Channel : public std::enable_shared_from_this<Channel> {
+ public:
+  Channel(ArtifactSpec spec, const Technique& technique, const JobResources& resources);
+
+  // The first subscriber starts the first job. Later ones get the newest artifact at once.
+  void Add(std::shared_ptr<Subscriber> subscriber, std::shared_ptr<const Scene> scene);
+  // Whether it was the last one; then the running job is cancelled.
+  bool Remove(const Subscriber* subscriber);
+
+  // Calls come in the order of the commits.
+  void OnCommit(std::shared_ptr<const Scene> after, SceneChange& change);
+
+  // Cancels the running job and says `reason`, if it is an error, to all subscribers as the last word.
+  void End(const absl::Status& reason);
+
+ private:
+  struct Job {
+    std::shared_ptr<const Scene> scene;
+    Revision holds_until = 0;  // later than the scene's after commits that do not affect the artifact
+    std::stop_source stop;
+    bool published = false;
+    bool superseded = false;
+  };
+
+  void Enqueue();  // with the lock held, as for all of these
+  void Publish(ArtifactUpdate update);
+  void Finish(const Job& job, absl::StatusOr<Artifact> result);
+
+  void RunJob();
+  void OnPass(Artifact artifact);
+  absl::StatusOr<Artifact> Compute(const Scene& scene, std::stop_token stop);
+
+  const ArtifactSpec spec_;
+  const Technique& technique_;
+  const JobResources resources_;
+
+  std::mutex mutex_;
+  std::shared_ptr<const Scene> head_;
+  std::vector<std::shared_ptr<Subscriber>> subscribers_;
+  std::optional<ArtifactUpdate> newest_;  // last published
+  bool newest_is_stale_ = false;          // a commit has affected it since
+  bool queued_ = false;
+  bool ended_ = false;
+  std::optional<Job> job_;  // the one that runs
+};
+
+}  // namespace penumbra

@@ -1,0 +1,44 @@
+// A scene that changes: its newest snapshot, the order of its commits, and the channels that follow
+// it.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "render/engine/channel.h"
+#include "render/scene/scene.h"
+
+namespace penumbra {
+
+class LiveScene {
+ public:
+  explicit LiveScene(const std::string& id) : head_(Scene::Empty(id)) {}
+
+  // Waits for no commit, let alone for a job.
+  std::shared_ptr<const Scene> Snapshot() const;
+
+  // Errors  those of Scene::Apply; kNotFound: the scene has ended
+  absl::StatusOr<Revision> Commit(const SceneDelta& delta, const SceneLimits& limits);
+
+  // Errors  kNotFound: the scene has ended; kResourceExhausted: it follows `max_channels` specs
+  absl::Status Subscribe(const ArtifactSpec& spec, const Technique& technique,
+                         const JobResources& resources, size_t max_channels,
+                         std::shared_ptr<Subscriber> subscriber);
+  void Unsubscribe(const ArtifactSpec& spec, const Subscriber* subscriber);
+
+  // Says `reason`, if it is an error, to all subscribers as the last word, and cancels all jobs.
+  void End(const absl::Status& reason);
+
+ private:
+  mutable std::mutex head_mutex_;  // held for a copy of the pointer only
+  std::shared_ptr<const Scene> head_;
+
+  std::mutex order_mutex_;  // one commit, subscription or end at a time; taken before head_mutex_
+  bool ended_ = false;
+  std::map<std::string, std::shared_ptr<Channel>> channels_;  // by SpecKey
+};
+
+}  // namespace penumbra

@@ -1,0 +1,168 @@
+#include "render/engine/local_engine.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "render/engine/live_scene.h"
+#include "render/scene/field_error.h"
+#include "tbb/global_control.h"
+#include "tbb/info.h"
+
+namespace penumbra {
+namespace {
+
+int CpuThreads(const LocalEngineOptions& options) {
+  return options.cpu_threads > 0 ? options.cpu_threads : tbb::info::default_concurrency();
+}
+
+class LocalSubscription : public Subscription {
+ public:
+  LocalSubscription(std::weak_ptr<LiveScene> scene, ArtifactSpec spec,
+                    std::shared_ptr<Subscriber> subscriber)
+      : scene_(std::move(scene)), spec_(std::move(spec)), subscriber_(std::move(subscriber)) {}
+  ~LocalSubscription() override {
+    subscriber_->Close();
+    if (const auto scene = scene_.lock()) scene->Unsubscribe(spec_, subscriber_.get());
+  }
+
+ private:
+  const std::weak_ptr<LiveScene> scene_;  // gone with the scene or the engine
+  const ArtifactSpec spec_;
+  const std::shared_ptr<Subscriber> subscriber_;
+};
+
+}  // namespace
+
+struct LocalEngine::Scenes {
+  std::mutex mutex;
+  std::map<std::string, std::shared_ptr<LiveScene>> by_id;
+};
+
+struct LocalEngine::Threads {
+  // TBB starts no more threads than the hardware has unless told to.
+  tbb::global_control parallelism;
+  tbb::task_arena arena;
+  WorkerPool delivery;
+  WorkerPool runners;
+
+  explicit Threads(const LocalEngineOptions& options)
+      : parallelism(tbb::global_control::max_allowed_parallelism,
+                    std::max(CpuThreads(options), tbb::info::default_concurrency())),
+        arena(CpuThreads(options)),
+        delivery(options.delivery_threads),
+        runners(options.runner_threads) {}
+};
+
+LocalEngine::LocalEngine(LocalEngineOptions options)
+    : options_(std::move(options)),
+      counters_(std::make_shared<EngineCounters>()),
+      scenes_(std::make_unique<Scenes>()),
+      threads_(std::make_unique<Threads>(options_)) {}
+
+LocalEngine::~LocalEngine() {
+  std::map<std::string, std::shared_ptr<LiveScene>> scenes;
+  {
+    std::lock_guard lock(scenes_->mutex);
+    scenes.swap(scenes_->by_id);
+  }
+  for (const auto& [id, scene] : scenes) scene->End(absl::OkStatus());
+  threads_->runners.Stop();
+  threads_->delivery.Stop();
+}
+
+absl::Status LocalEngine::CreateScene(const std::string& scene_id) {
+  if (absl::Status id = CheckId(scene_id, "scene_id"); !id.ok()) return id;
+  std::lock_guard lock(scenes_->mutex);
+  if (scenes_->by_id.contains(scene_id)) {
+    return FieldError(absl::StatusCode::kAlreadyExists, "DUPLICATE_ID", "scene_id",
+                      absl::StrCat("found '", scene_id, "', which exists; need an id not in use"));
+  }
+  if (scenes_->by_id.size() >= options_.max_scenes) {
+    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_SCENES", "scene_id",
+                      absl::StrCat("found ", scenes_->by_id.size(), " scenes, need fewer than ",
+                                   options_.max_scenes, " before another"));
+  }
+  scenes_->by_id.emplace(scene_id, std::make_shared<LiveScene>(scene_id));
+  return absl::OkStatus();
+}
+
+absl::Status LocalEngine::DeleteScene(const std::string& scene_id) {
+  auto scene = Find(scene_id);
+  if (!scene.ok()) return scene.status();
+  {
+    std::lock_guard lock(scenes_->mutex);
+    const auto found = scenes_->by_id.find(scene_id);
+    if (found != scenes_->by_id.end() && found->second == *scene) scenes_->by_id.erase(found);
+  }
+  (*scene)->End(FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
+                           absl::StrCat("found '", scene_id, "', which was deleted; need a scene")));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<SceneInfo>> LocalEngine::ListScenes() {
+  std::vector<std::shared_ptr<LiveScene>> scenes;
+  {
+    std::lock_guard lock(scenes_->mutex);
+    for (const auto& [id, scene] : scenes_->by_id) scenes.push_back(scene);
+  }
+  std::vector<SceneInfo> infos;
+  for (const auto& scene : scenes) {
+    const auto head = scene->Snapshot();
+    infos.push_back({.id = head->id(),
+                     .revision = head->revision(),
+                     .content_hash = head->content_hash(),
+                     .instance_count = head->instances().size(),
+                     .light_count = head->lights().size(),
+                     .receiver_count = head->receivers().size()});
+  }
+  return infos;
+}
+
+absl::StatusOr<Revision> LocalEngine::Commit(const std::string& scene_id, const SceneDelta& delta) {
+  auto scene = Find(scene_id);
+  if (!scene.ok()) return scene.status();
+  return (*scene)->Commit(delta, options_.scene_limits);
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> LocalEngine::Snapshot(const std::string& scene_id) {
+  auto scene = Find(scene_id);
+  if (!scene.ok()) return scene.status();
+  return (*scene)->Snapshot();
+}
+
+absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::string& scene_id,
+                                                                     const ArtifactSpec& spec,
+                                                                     ArtifactCallback callback) {
+  auto scene = Find(scene_id);
+  if (!scene.ok()) return scene.status();
+  const Technique& technique = options_.technique_for(spec.params);
+  const absl::Status check = technique.Check(*(*scene)->Snapshot(), spec);
+  if (absl::IsInvalidArgument(check)) return check;
+  auto subscriber =
+      std::make_shared<Subscriber>(std::move(callback), threads_->delivery, counters_);
+  const JobResources resources{.runners = threads_->runners,
+                               .arena = threads_->arena,
+                               .now_ms = options_.now_ms,
+                               .counters = *counters_};
+  const absl::Status subscribed = (*scene)->Subscribe(spec, technique, resources,
+                                                      options_.max_artifacts_per_scene, subscriber);
+  if (!subscribed.ok()) return subscribed;
+  return std::make_unique<LocalSubscription>(*scene, spec, std::move(subscriber));
+}
+
+EngineStatistics LocalEngine::statistics() const { return counters_->Read(); }
+
+int LocalEngine::cpu_threads() const { return CpuThreads(options_); }
+
+absl::StatusOr<std::shared_ptr<LiveScene>> LocalEngine::Find(const std::string& scene_id) const {
+  std::lock_guard lock(scenes_->mutex);
+  const auto found = scenes_->by_id.find(scene_id);
+  if (found != scenes_->by_id.end()) return found->second;
+  return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
+                    absl::StrCat("found '", scene_id, "', need the id of a scene"));
+}
+
+}  // namespace penumbra

@@ -1,0 +1,76 @@
+// Computes in this process.
+//
+//   LocalEngine engine({.cpu_threads = 4});
+//   engine.CreateScene("studio");
+//   engine.Commit("studio", delta);
+//   auto artifact = ComputeOnce(engine, "studio", spec);  // render/engine/compute_once.h
+//
+// Jobs run on a few runner threads, which hand their loops to one TBB arena; callbacks run on
+// delivery threads, so that neither a long job nor a slow callback keeps updates from the others.
+// A callback that is slower than the updates come sees the newest and misses those in between.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/engine/engine.h"
+#include "render/engine/engine_statistics.h"
+#include "render/scene/scene_limits.h"
+#include "render/technique/technique.h"
+
+namespace penumbra {
+
+struct LocalEngineOptions {
+  int cpu_threads = 0;       // that jobs share; 0: as many as the hardware has
+  int runner_threads = 2;    // jobs that run at a time
+  int delivery_threads = 2;  // callbacks that run at a time
+  SceneLimits scene_limits;
+  size_t max_scenes = 256;
+  // Different artifacts (technique, parameters, light, receiver) that are followed on one scene.
+  // Each has at most one job waiting, so this times max_scenes bounds the queue.
+  size_t max_artifacts_per_scene = 1024;
+  MonotonicClock now_ms;  // null: artifacts carry no timings
+  // What computes a spec; tests put their own here. It must outlive the engine.
+  std::function<const Technique&(const TechniqueParams&)> technique_for = TechniqueFor;
+};
+
+class LocalEngine : public Engine {
+ public:
+  explicit LocalEngine(LocalEngineOptions options = {});
+  // Cancels all jobs and waits for them and for the callbacks that run. Subscriptions may be
+  // destroyed before or after.
+  ~LocalEngine() override;
+
+  absl::Status CreateScene(const std::string& scene_id) override;
+  absl::Status DeleteScene(const std::string& scene_id) override;
+  absl::StatusOr<std::vector<SceneInfo>> ListScenes() override;
+  absl::StatusOr<Revision> Commit(const std::string& scene_id, const SceneDelta& delta) override;
+  absl::StatusOr<std::shared_ptr<const Scene>> Snapshot(const std::string& scene_id) override;
+  // A light or receiver that is not there is no error here: the first update says so, and the commit
+  // that adds it mends it. Errors, further  kResourceExhausted QUOTA_ARTIFACTS
+  //
+  // The subscription may be destroyed from inside its own callback, which is then the last call.
+  absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& scene_id,
+                                                          const ArtifactSpec& spec,
+                                                          ArtifactCallback callback) override;
+
+  EngineStatistics statistics() const;
+  // Threads that a job may use.
+  int cpu_threads() const;
+
+ private:
+  struct Threads;
+
+  absl::StatusOr<std::shared_ptr<class LiveScene>> Find(const std::string& scene_id) const;
+
+  const LocalEngineOptions options_;
+  const std::shared_ptr<EngineCounters> counters_;
+  struct Scenes;
+  const std::unique_ptr<Scenes> scenes_;
+  const std::unique_ptr<Threads> threads_;
+};
+
+}  // namespace penumbra

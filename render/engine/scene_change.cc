@@ -1,0 +1,59 @@
+#include "render/engine/scene_change.h"
+
+#include <algorithm>
+
+#include "render/engine/shadow_region.h"
+
+namespace penumbra {
+namespace {
+
+bool CastTheSameShadow(const Instance& a, const Instance& b) {
+  if (!a.casts && !b.casts) return true;
+  const bool same_mask =
+      a.alpha_mask == b.alpha_mask ||
+      (a.alpha_mask && b.alpha_mask && a.alpha_mask->id() == b.alpha_mask->id());
+  const bool same_cutoff = a.alpha_cutoff == b.alpha_cutoff || !a.alpha_mask;
+  return a.casts == b.casts && a.mesh->id() == b.mesh->id() &&
+         a.world_from_mesh == b.world_from_mesh && same_mask && same_cutoff;
+}
+
+bool SameLight(const Scene& before, const Scene& after, const std::string& id) {
+  const auto a = before.FindLight(id);
+  const auto b = after.FindLight(id);
+  return a != nullptr && b != nullptr && (a == b || *a == *b);
+}
+
+}  // namespace
+
+SceneChange::SceneChange(const Scene& before, const Scene& after, const SceneDelta& delta)
+    : before_(before), after_(after), delta_(delta) {}
+
+bool SceneChange::Affects(const ArtifactSpec& spec) {
+  if (!SameLight(before_, after_, spec.light_id)) return true;
+  const auto patch_before = before_.ResolveReceiver(spec.receiver_id);
+  const auto patch_after = after_.ResolveReceiver(spec.receiver_id);
+  if (!patch_before.ok() || !patch_after.ok() || !(*patch_before == *patch_after)) return true;
+
+  const std::vector<Aabb>& changed = ChangedCasterBounds();
+  if (changed.empty()) return false;
+  const ShadowRegion region(*after_.FindLight(spec.light_id), patch_after->patch);
+  return std::any_of(changed.begin(), changed.end(),
+                     [&region](const Aabb& box) { return region.MayMeet(box); });
+}
+
+const std::vector<Aabb>& SceneChange::ChangedCasterBounds() {
+  if (changed_caster_bounds_) return *changed_caster_bounds_;
+  std::vector<Aabb>& bounds = changed_caster_bounds_.emplace();
+  const auto add = [&](const std::string& id) {
+    const auto a = before_.FindInstance(id);
+    const auto b = after_.FindInstance(id);
+    if (a && b && (a == b || CastTheSameShadow(*a, *b))) return;
+    if (a && a->casts) bounds.push_back(WorldBounds(*a));
+    if (b && b->casts) bounds.push_back(WorldBounds(*b));
+  };
+  for (const Instance& instance : delta_.upsert_instances) add(instance.id);
+  for (const std::string& id : delta_.remove_instances) add(id);
+  return bounds;
+}
+
+}  // namespace penumbra
