@@ -144,7 +144,8 @@ void Channel::Finish(const Job& job, absl::StatusOr<Artifact> result) {
     ++counters.artifacts_published;
     if (!job.published) ++counters.first_passes;
     newest_is_stale_ = job.superseded;
-    Publish({job.holds_until, absl::OkStatus(), std::make_shared<const Artifact>(*std::move(result))});
+    Publish(
+        {job.holds_until, absl::OkStatus(), std::make_shared<const Artifact>(*std::move(result))});
   }
   // Commits that do not affect an artifact may still mend an error.
   const bool may_be_mended = !result.ok() && head_ != job.scene;

@@ -45,14 +45,16 @@ class Channel : public std::enable_shared_from_this<Channel> {
   // Calls come in the order of the commits.
   void OnCommit(std::shared_ptr<const Scene> after, SceneChange& change);
 
-  // Cancels the running job and says `reason`, if it is an error, to all subscribers as the last word.
+  // Cancels the running job and says `reason`, if it is an error, to all subscribers as the last
+  // word.
   void End(const absl::Status& reason);
 
  private:
   struct Job {
     std::shared_ptr<const Scene> scene;
-    Revision holds_until = 0;  // later than the scene's after commits that do not affect the artifact
-    std::stop_source stop;
+    Revision holds_until =
+        0;  // later than the scene's after commits that do not affect the artifact
+    std::stop_source stop{};
     bool published = false;
     bool superseded = false;
   };

@@ -15,12 +15,12 @@
 namespace penumbra {
 
 struct ComputeOnceOptions {
-  std::function<void(const Artifact&)> progress;  // takes coarse artifacts; may be null
-  std::stop_token stop;
+  std::function<void(const Artifact&)> progress = nullptr;  // takes coarse artifacts; may be null
+  std::stop_token stop{};
 };
 
-// Subscribes and blocks until the final artifact of `spec` comes, of the scene as it is at the call or
-// newer. Works with any engine. Not from inside a callback.
+// Subscribes and blocks until the final artifact of `spec` comes, of the scene as it is at the call
+// or newer. Works with any engine. Not from inside a callback.
 //
 // Errors  those of Subscribe and of the technique; kCancelled: stop requested
 absl::StatusOr<std::shared_ptr<const Artifact>> ComputeOnce(Engine& engine,

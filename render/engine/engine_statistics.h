@@ -11,9 +11,10 @@ struct EngineStatistics {
   uint64_t jobs_finished = 0;   // ran to a final artifact that was published
   uint64_t jobs_cancelled = 0;  // superseded, or nobody subscribed any more
   uint64_t jobs_failed = 0;
-  uint64_t first_passes = 0;         // jobs of which at least one artifact was published
-  uint64_t artifacts_published = 0;  // coarse and final ones; each is counted once for all subscribers
-  uint64_t unaffected_commits = 0;   // commit × artifact pairs that needed no computing
+  uint64_t first_passes = 0;  // jobs of which at least one artifact was published
+  uint64_t artifacts_published =
+      0;  // coarse and final ones; each is counted once for all subscribers
+  uint64_t unaffected_commits = 0;  // commit × artifact pairs that needed no computing
   uint64_t callbacks_run = 0;
 };
 

@@ -58,7 +58,6 @@ struct LocalEngine::Threads {
 
 LocalEngine::LocalEngine(LocalEngineOptions options)
     : options_(std::move(options)),
-      counters_(std::make_shared<EngineCounters>()),
       scenes_(std::make_unique<Scenes>()),
       threads_(std::make_unique<Threads>(options_)) {}
 
@@ -97,8 +96,9 @@ absl::Status LocalEngine::DeleteScene(const std::string& scene_id) {
     const auto found = scenes_->by_id.find(scene_id);
     if (found != scenes_->by_id.end() && found->second == *scene) scenes_->by_id.erase(found);
   }
-  (*scene)->End(FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
-                           absl::StrCat("found '", scene_id, "', which was deleted; need a scene")));
+  (*scene)->End(
+      FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
+                 absl::StrCat("found '", scene_id, "', which was deleted; need a scene")));
   return absl::OkStatus();
 }
 
@@ -146,14 +146,14 @@ absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::
   const JobResources resources{.runners = threads_->runners,
                                .arena = threads_->arena,
                                .now_ms = options_.now_ms,
-                               .counters = *counters_};
-  const absl::Status subscribed = (*scene)->Subscribe(spec, technique, resources,
-                                                      options_.max_artifacts_per_scene, subscriber);
+                               .counters = counters_};
+  const absl::Status subscribed =
+      (*scene)->Subscribe(spec, technique, resources, options_.max_artifacts_per_scene, subscriber);
   if (!subscribed.ok()) return subscribed;
   return std::make_unique<LocalSubscription>(*scene, spec, std::move(subscriber));
 }
 
-EngineStatistics LocalEngine::statistics() const { return counters_->Read(); }
+EngineStatistics LocalEngine::statistics() const { return counters_.Read(); }
 
 int LocalEngine::cpu_threads() const { return CpuThreads(options_); }
 

@@ -23,16 +23,18 @@
 
 namespace penumbra {
 
+class LiveScene;
+
 struct LocalEngineOptions {
   int cpu_threads = 0;       // that jobs share; 0: as many as the hardware has
   int runner_threads = 2;    // jobs that run at a time
   int delivery_threads = 2;  // callbacks that run at a time
-  SceneLimits scene_limits;
+  SceneLimits scene_limits{};
   size_t max_scenes = 256;
   // Different artifacts (technique, parameters, light, receiver) that are followed on one scene.
   // Each has at most one job waiting, so this times max_scenes bounds the queue.
   size_t max_artifacts_per_scene = 1024;
-  MonotonicClock now_ms;  // null: artifacts carry no timings
+  MonotonicClock now_ms = nullptr;  // null: artifacts carry no timings
   // What computes a spec; tests put their own here. It must outlive the engine.
   std::function<const Technique&(const TechniqueParams&)> technique_for = TechniqueFor;
 };
@@ -49,8 +51,8 @@ class LocalEngine : public Engine {
   absl::StatusOr<std::vector<SceneInfo>> ListScenes() override;
   absl::StatusOr<Revision> Commit(const std::string& scene_id, const SceneDelta& delta) override;
   absl::StatusOr<std::shared_ptr<const Scene>> Snapshot(const std::string& scene_id) override;
-  // A light or receiver that is not there is no error here: the first update says so, and the commit
-  // that adds it mends it. Errors, further  kResourceExhausted QUOTA_ARTIFACTS
+  // A light or receiver that is not there is no error here: the first update says so, and the
+  // commit that adds it mends it. Errors, further  kResourceExhausted QUOTA_ARTIFACTS
   //
   // The subscription may be destroyed from inside its own callback, which is then the last call.
   absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& scene_id,
@@ -62,13 +64,13 @@ class LocalEngine : public Engine {
   int cpu_threads() const;
 
  private:
+  struct Scenes;
   struct Threads;
 
-  absl::StatusOr<std::shared_ptr<class LiveScene>> Find(const std::string& scene_id) const;
+  absl::StatusOr<std::shared_ptr<LiveScene>> Find(const std::string& scene_id) const;
 
   const LocalEngineOptions options_;
-  const std::shared_ptr<EngineCounters> counters_;
-  struct Scenes;
+  EngineCounters counters_;
   const std::unique_ptr<Scenes> scenes_;
   const std::unique_ptr<Threads> threads_;
 };

@@ -9,9 +9,8 @@ namespace {
 
 bool CastTheSameShadow(const Instance& a, const Instance& b) {
   if (!a.casts && !b.casts) return true;
-  const bool same_mask =
-      a.alpha_mask == b.alpha_mask ||
-      (a.alpha_mask && b.alpha_mask && a.alpha_mask->id() == b.alpha_mask->id());
+  const bool same_mask = a.alpha_mask == b.alpha_mask ||
+                         (a.alpha_mask && b.alpha_mask && a.alpha_mask->id() == b.alpha_mask->id());
   const bool same_cutoff = a.alpha_cutoff == b.alpha_cutoff || !a.alpha_mask;
   return a.casts == b.casts && a.mesh->id() == b.mesh->id() &&
          a.world_from_mesh == b.world_from_mesh && same_mask && same_cutoff;

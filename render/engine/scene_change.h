@@ -21,8 +21,8 @@ class SceneChange {
 
   // False only if the artifact of `spec` is the same on both scenes: the light and the receiver's
   // place are as they were, and whatever was added, removed or changed its shape, its place or what
-  // it lets through lies outside the region between light and receiver, before and after. A colour or a
-  // `receives` flag changes no artifact.
+  // it lets through lies outside the region between light and receiver, before and after. A colour
+  // or a `receives` flag changes no artifact.
   bool Affects(const ArtifactSpec& spec);
 
  private:

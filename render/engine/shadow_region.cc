@@ -20,9 +20,9 @@ constexpr std::array<DVec3, 3> kAxes = {DVec3(1, 0, 0), DVec3(0, 1, 0), DVec3(0,
 // The hull of a light: finite points, directions to what is infinitely far, and the directions of
 // its own edges.
 struct LightHull {
-  std::vector<DVec3> points;
-  std::vector<DVec3> directions;
-  std::vector<DVec3> edges;
+  std::vector<DVec3> points{};
+  std::vector<DVec3> directions{};
+  std::vector<DVec3> edges{};
 };
 
 // Two unit vectors that make a right-handed frame with `normal`.
@@ -74,8 +74,8 @@ double LargestCoordinate(DVec3 p) {
 }
 
 // Directions that may part a box from the hull of patch and light.
-std::vector<DVec3> CandidateAxes(const LightHull& light, std::span<const DVec3> corners, DVec3 edge_u,
-                                 DVec3 edge_v) {
+std::vector<DVec3> CandidateAxes(const LightHull& light, std::span<const DVec3> corners,
+                                 DVec3 edge_u, DVec3 edge_v) {
   std::vector<DVec3> plain(kAxes.begin(), kAxes.end());
   plain.push_back(edge_u);
   plain.push_back(edge_v);

@@ -1,5 +1,5 @@
-// One subscription's mailbox: it holds the newest update that its callback has not seen, and has the
-// callback called with it, one call at a time, on a thread of the delivery pool.
+// One subscription's mailbox: it holds the newest update that its callback has not seen, and has
+// the callback called with it, one call at a time, on a thread of the delivery pool.
 //
 // A slow callback misses updates that newer ones replace; it holds up nobody and costs no memory.
 #pragma once

@@ -1,0 +1,30 @@
+#include "render/technique/soft_texture/receiver_transform.h"
+
+#include <cmath>
+#include <limits>
+
+namespace penumbra {
+
+std::optional<ReceiverTransform> ReceiverTransform::Create(const Parallelogram& patch,
+                                                           const LightSample& sample,
+                                                           double min_height) {
+  const DVec3 b(patch.origin), e_x(patch.edge_u), e_y(patch.edge_v), point(sample.point);
+  const DVec3 front = glm::normalize(glm::cross(e_x, e_y));
+  const DVec3 e_w = sample.at_infinity ? -point : b - point;
+  const double height = -glm::dot(front, e_w);
+  if (std::abs(height) <= min_height) return std::nullopt;
+
+  const DVec3 n_x = glm::cross(e_w, e_y);
+  const DVec3 n_y = glm::cross(e_x, e_w);
+  ReceiverTransform map;
+  map.origin_ = b;
+  map.row_x_ = n_x / glm::dot(n_x, e_x);
+  map.row_y_ = n_y / glm::dot(n_y, e_y);
+  // α_w n_w is the plane's normal over the signed height, which avoids the scale of the edges.
+  map.row_w_ = sample.at_infinity ? DVec3(0.0) : -front / height;
+  map.sample_height_ =
+      sample.at_infinity ? std::copysign(std::numeric_limits<double>::infinity(), height) : height;
+  return map;
+}
+
+}  // namespace penumbra
