@@ -1,0 +1,101 @@
+#include "proto/convert/artifact_assembler.h"
+
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "proto/convert/artifact_convert.h"
+#include "proto/convert/status_convert.h"
+#include "render/scene/field_error.h"
+
+namespace penumbra {
+namespace {
+
+absl::Status Incomplete(const std::string& text) {
+  return FieldError(absl::StatusCode::kDataLoss, "INCOMPLETE", "artifact_update", text);
+}
+
+SoftShadowTexture& TextureOf(Artifact& artifact) {
+  return std::get<SoftShadowTexture>(artifact.payload);
+}
+
+// Takes over the texels of `from` where the grid and its planes are the same.
+bool CopyTexels(const Artifact& from, Artifact& to) {
+  const auto& before = std::get<SoftShadowTexture>(from.payload);
+  auto& after = TextureOf(to);
+  if (before.visibility.width != after.visibility.width ||
+      before.visibility.height != after.visibility.height ||
+      before.radiance.has_value() != after.radiance.has_value()) {
+    return false;
+  }
+  after.visibility.counts = before.visibility.counts;
+  if (after.radiance) after.radiance->texels = before.radiance->texels;
+  return true;
+}
+
+}  // namespace
+
+absl::StatusOr<std::optional<ArtifactUpdate>> ArtifactAssembler::Add(
+    const v1::ArtifactUpdate& message) {
+  if (!in_update_) {
+    if (auto status = Begin(message); !status.ok()) return status;
+  }
+  if (auto status = AddTiles(message); !status.ok()) return status;
+  if (!message.end_of_update()) return std::nullopt;
+  in_update_ = false;
+  auto update = Finish(message);
+  if (!update.ok()) return update.status();
+  return std::optional<ArtifactUpdate>(*std::move(update));
+}
+
+absl::Status ArtifactAssembler::Begin(const v1::ArtifactUpdate& message) {
+  in_update_ = true;
+  revision_ = message.revision();
+  next_ = nullptr;
+  tiles_missing_ = 0;
+  if (!message.has_header()) return absl::OkStatus();
+  auto artifact = FromProto(message.header(), limits_);
+  if (!artifact.ok()) return artifact.status();
+  next_ = std::make_shared<Artifact>(*std::move(artifact));
+  const bool starts_from_nothing = message.base_sequence() == 0 || !artifact_;
+  if (starts_from_nothing || !CopyTexels(*artifact_, *next_)) {
+    tiles_missing_ = GridOf(TextureOf(*next_)).tile_count();
+  }
+  if (message.has_light_samples()) {
+    auto samples = DecodeLightSamples(message.light_samples());
+    if (!samples.ok()) return samples.status();
+    next_->header.light_samples = *std::move(samples);
+  } else if (starts_from_nothing) {
+    return Incomplete("found no light samples, need them where nothing came before");
+  } else {
+    next_->header.light_samples = artifact_->header.light_samples;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ArtifactAssembler::AddTiles(const v1::ArtifactUpdate& message) {
+  if (message.tiles_size() > 0 && !next_) {
+    return Incomplete("found tiles, need a header before them");
+  }
+  for (const auto& tile : message.tiles()) {
+    if (auto status = decoder_.Decode(tile, TextureOf(*next_)); !status.ok()) return status;
+    if (tiles_missing_ > 0) --tiles_missing_;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ArtifactUpdate> ArtifactAssembler::Finish(const v1::ArtifactUpdate& message) {
+  sequence_ = message.update_sequence();
+  if (message.has_error()) {
+    return ArtifactUpdate{revision_, FromProto(message.error()), nullptr};
+  }
+  if (tiles_missing_ > 0) {
+    return Incomplete("found " + std::to_string(tiles_missing_) + " tiles missing, need all");
+  }
+  if (next_) artifact_ = std::move(next_);
+  next_ = nullptr;
+  if (!artifact_) return Incomplete("found neither artifact nor error, need one of them");
+  return ArtifactUpdate{revision_, absl::OkStatus(), artifact_};
+}
+
+}  // namespace penumbra

@@ -1,0 +1,174 @@
+#include "proto/convert/artifact_convert.h"
+
+#include <bit>
+#include <cstring>
+#include <utility>
+#include <variant>
+
+#include "proto/convert/geometry_convert.h"
+#include "proto/convert/light_convert.h"
+#include "render/scene/field_error.h"
+
+namespace penumbra {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "light samples are copied as they lie");
+
+struct PackedLightSample {
+  float x, y, z, weight;
+  uint32_t flags;
+};
+static_assert(sizeof(PackedLightSample) == 20);
+constexpr uint32_t kAtInfinityFlag = 1;
+
+v1::ReceiverPatch ToProto(const ReceiverPatch& receiver) {
+  v1::ReceiverPatch proto;
+  *proto.mutable_patch() = penumbra::ToProto(receiver.patch);
+  proto.set_width(receiver.width);
+  proto.set_height(receiver.height);
+  proto.set_two_sided(receiver.two_sided);
+  *proto.mutable_reflectance() = penumbra::ToProto(receiver.reflectance);
+  return proto;
+}
+
+ReceiverPatch Read(const v1::ReceiverPatch& proto) {
+  return {.patch = FromProto(proto.patch()),
+          .width = proto.width(),
+          .height = proto.height(),
+          .two_sided = proto.two_sided(),
+          .reflectance = FromProto(proto.reflectance())};
+}
+
+// One overload of Write a kind of artifact: a new one does not compile without.
+void Write(const SoftShadowTexture& texture, v1::ArtifactHeader& proto) {
+  auto& kind = *proto.mutable_soft_shadow_texture();
+  *kind.mutable_receiver() = ToProto(texture.receiver);
+  *kind.mutable_light() = penumbra::ToProto(texture.light);
+  kind.set_sample_count(texture.visibility.sample_count);
+  kind.set_has_radiance(texture.radiance.has_value());
+}
+
+absl::Status CheckGrid(const v1::ReceiverPatch& receiver, const SceneLimits& limits) {
+  const uint64_t width = receiver.width();
+  const uint64_t height = receiver.height();
+  if (width > 0 && height > 0 && width <= limits.max_receiver_side &&
+      height <= limits.max_receiver_side && width * height <= limits.max_receiver_texels) {
+    return absl::OkStatus();
+  }
+  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "soft_shadow_texture.receiver",
+                    "found " + std::to_string(width) + " by " + std::to_string(height) +
+                        " texels, need sides of 1 to " + std::to_string(limits.max_receiver_side) +
+                        " and at most " + std::to_string(limits.max_receiver_texels) + " texels");
+}
+
+absl::StatusOr<SoftShadowTexture> Read(const v1::SoftShadowTexture& proto,
+                                       const SceneLimits& limits) {
+  if (auto status = CheckGrid(proto.receiver(), limits); !status.ok()) return status;
+  if (proto.sample_count() > UINT16_MAX) {
+    return FieldError(absl::StatusCode::kInvalidArgument, "RANGE",
+                      "soft_shadow_texture.sample_count",
+                      "found " + std::to_string(proto.sample_count()) + ", need at most 65535");
+  }
+  auto light = FromProto(proto.light(), "soft_shadow_texture.light");
+  if (!light.ok()) return light.status();
+  SoftShadowTexture texture;
+  texture.receiver = Read(proto.receiver());
+  texture.light = *std::move(light);
+  const uint32_t width = texture.receiver.width;
+  const uint32_t height = texture.receiver.height;
+  texture.visibility = {.width = width,
+                        .height = height,
+                        .sample_count = proto.sample_count(),
+                        .counts = std::vector<uint16_t>(size_t{width} * height)};
+  if (proto.has_radiance()) {
+    texture.radiance = RadianceTexture{
+        .width = width, .height = height, .texels = std::vector<Vec3>(size_t{width} * height)};
+  }
+  return texture;
+}
+
+absl::StatusOr<ArtifactPayload> ReadPayload(const v1::ArtifactHeader& proto,
+                                            const SceneLimits& limits) {
+  switch (proto.kind_case()) {
+    case v1::ArtifactHeader::kSoftShadowTexture: {
+      auto texture = Read(proto.soft_shadow_texture(), limits);
+      if (!texture.ok()) return texture.status();
+      return ArtifactPayload(*std::move(texture));
+    }
+    case v1::ArtifactHeader::KIND_NOT_SET:
+      break;
+  }
+  return FieldError(absl::StatusCode::kInvalidArgument, "MISSING_FIELD", "header.kind",
+                    "found none that this program knows, need a soft shadow texture");
+}
+
+}  // namespace
+
+v1::ArtifactHeader ToProto(const Artifact& artifact) {
+  const ArtifactHeader& header = artifact.header;
+  v1::ArtifactHeader proto;
+  proto.set_scene_id(header.scene_id);
+  proto.set_computed_revision(header.revision);
+  proto.set_scene_hash(ToProto(header.scene_hash));
+  proto.set_technique(header.technique);
+  proto.set_light_id(header.light_id);
+  proto.set_receiver_id(header.receiver_id);
+  proto.mutable_parameters()->insert(header.parameters.begin(), header.parameters.end());
+  proto.set_samples_requested(header.samples_requested);
+  proto.set_pass(header.pass);
+  proto.set_is_final(header.is_final);
+  proto.set_error_estimate(header.error_estimate);
+  proto.mutable_timings_ms()->insert(header.timings_ms.begin(), header.timings_ms.end());
+  std::visit([&](const auto& payload) { Write(payload, proto); }, artifact.payload);
+  return proto;
+}
+
+absl::StatusOr<Artifact> FromProto(const v1::ArtifactHeader& proto, const SceneLimits& limits) {
+  const auto hash = HashFromProto(proto.scene_hash(), "header.scene_hash");
+  if (!hash.ok()) return hash.status();
+  auto payload = ReadPayload(proto, limits);
+  if (!payload.ok()) return payload.status();
+  return Artifact{.header = {.scene_id = proto.scene_id(),
+                             .revision = proto.computed_revision(),
+                             .scene_hash = *hash,
+                             .technique = proto.technique(),
+                             .light_id = proto.light_id(),
+                             .receiver_id = proto.receiver_id(),
+                             .parameters = {proto.parameters().begin(), proto.parameters().end()},
+                             .light_samples = {},
+                             .samples_requested = proto.samples_requested(),
+                             .pass = proto.pass(),
+                             .is_final = proto.is_final(),
+                             .error_estimate = proto.error_estimate(),
+                             .timings_ms = {proto.timings_ms().begin(), proto.timings_ms().end()}},
+                  .payload = *std::move(payload)};
+}
+
+std::string EncodeLightSamples(std::span<const LightSample> samples) {
+  std::string bytes(samples.size() * sizeof(PackedLightSample), '\0');
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const LightSample& sample = samples[i];
+    const PackedLightSample packed{sample.point.x, sample.point.y, sample.point.z, sample.weight,
+                                   sample.at_infinity ? kAtInfinityFlag : 0};
+    std::memcpy(&bytes[i * sizeof(packed)], &packed, sizeof(packed));
+  }
+  return bytes;
+}
+
+absl::StatusOr<std::vector<LightSample>> DecodeLightSamples(const std::string& bytes) {
+  if (bytes.size() % sizeof(PackedLightSample) != 0) {
+    return FieldError(absl::StatusCode::kInvalidArgument, "LENGTH", "light_samples",
+                      "found " + std::to_string(bytes.size()) + " bytes, need a multiple of 20");
+  }
+  std::vector<LightSample> samples(bytes.size() / sizeof(PackedLightSample));
+  for (size_t i = 0; i < samples.size(); ++i) {
+    PackedLightSample packed;
+    std::memcpy(&packed, &bytes[i * sizeof(packed)], sizeof(packed));
+    samples[i] = {.point = {packed.x, packed.y, packed.z},
+                  .at_infinity = (packed.flags & kAtInfinityFlag) != 0,
+                  .weight = packed.weight};
+  }
+  return samples;
+}
+
+}  // namespace penumbra

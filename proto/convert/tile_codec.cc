@@ -1,0 +1,189 @@
+#include "proto/convert/tile_codec.h"
+
+#include <zstd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <string>
+
+#include "render/scene/field_error.h"
+
+namespace penumbra {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "planes are copied as they lie");
+static_assert(sizeof(Vec3) == 3 * sizeof(float));
+
+// The fastest level: visibility is mostly flat, higher levels gain a few per cent for twice the
+// time.
+constexpr int kZstdLevel = 1;
+constexpr uint32_t kLargestByteCount = 255;
+
+struct Rect {
+  uint32_t x, y, width, height;
+  size_t texels() const { return size_t{width} * height; }
+};
+
+Rect RectOf(TileGrid grid, uint32_t column, uint32_t row) {
+  const uint32_t x = column * kTileSide;
+  const uint32_t y = row * kTileSide;
+  return {x, y, std::min(kTileSide, grid.width - x), std::min(kTileSide, grid.height - y)};
+}
+
+size_t BytesPerCount(const SoftShadowTexture& texture) {
+  return texture.visibility.sample_count <= kLargestByteCount ? 1 : 2;
+}
+
+template <typename T>
+bool RowsEqual(const std::vector<T>& a, const std::vector<T>& b, uint32_t stride, Rect rect) {
+  for (uint32_t j = 0; j < rect.height; ++j) {
+    const size_t start = size_t{rect.y + j} * stride + rect.x;
+    if (std::memcmp(&a[start], &b[start], rect.width * sizeof(T)) != 0) return false;
+  }
+  return true;
+}
+
+void GatherCounts(const VisibilityMap& map, Rect rect, size_t bytes_per_count,
+                  std::vector<char>& plane) {
+  plane.resize(rect.texels() * bytes_per_count);
+  char* out = plane.data();
+  for (uint32_t j = 0; j < rect.height; ++j) {
+    const uint16_t* row = &map.counts[size_t{rect.y + j} * map.width + rect.x];
+    if (bytes_per_count == 1) {
+      for (uint32_t i = 0; i < rect.width; ++i) out[i] = static_cast<char>(row[i]);
+    } else {
+      std::memcpy(out, row, rect.width * sizeof(uint16_t));
+    }
+    out += rect.width * bytes_per_count;
+  }
+}
+
+// False where a count is larger than the number of samples.
+bool ScatterCounts(const std::vector<char>& plane, Rect rect, size_t bytes_per_count,
+                   VisibilityMap& map) {
+  const char* in = plane.data();
+  uint32_t largest = 0;
+  for (uint32_t j = 0; j < rect.height; ++j) {
+    uint16_t* row = &map.counts[size_t{rect.y + j} * map.width + rect.x];
+    if (bytes_per_count == 1) {
+      for (uint32_t i = 0; i < rect.width; ++i) row[i] = static_cast<uint8_t>(in[i]);
+    } else {
+      std::memcpy(row, in, rect.width * sizeof(uint16_t));
+    }
+    for (uint32_t i = 0; i < rect.width; ++i) largest = std::max<uint32_t>(largest, row[i]);
+    in += rect.width * bytes_per_count;
+  }
+  return largest <= map.sample_count;
+}
+
+template <typename Copy>
+void ForRowsOfRadiance(uint32_t stride, Rect rect, Copy copy) {
+  const size_t row_bytes = rect.width * sizeof(Vec3);
+  for (uint32_t j = 0; j < rect.height; ++j) {
+    copy(size_t{rect.y + j} * stride + rect.x, j * row_bytes, row_bytes);
+  }
+}
+
+absl::Status Invalid(const char* reason, const std::string& field, const std::string& text) {
+  return FieldError(absl::StatusCode::kInvalidArgument, reason, field, text);
+}
+
+}  // namespace
+
+bool TilesEqual(const SoftShadowTexture& a, const SoftShadowTexture& b, uint32_t column,
+                uint32_t row) {
+  const Rect rect = RectOf(GridOf(a), column, row);
+  const uint32_t stride = a.visibility.width;
+  return RowsEqual(a.visibility.counts, b.visibility.counts, stride, rect) &&
+         (!a.radiance || RowsEqual(a.radiance->texels, b.radiance->texels, stride, rect));
+}
+
+TileEncoder::TileEncoder() : zstd_(ZSTD_createCCtx(), &ZSTD_freeCCtx) {}
+
+v1::Tile TileEncoder::Encode(const SoftShadowTexture& texture, uint32_t column, uint32_t row) {
+  v1::Tile tile;
+  tile.set_column(column);
+  tile.set_row(row);
+  const Rect rect = RectOf(GridOf(texture), column, row);
+  GatherCounts(texture.visibility, rect, BytesPerCount(texture), plane_);
+  tile.set_counts_codec(Pack(*tile.mutable_counts()));
+  if (texture.radiance) {
+    plane_.resize(rect.texels() * sizeof(Vec3));
+    ForRowsOfRadiance(texture.visibility.width, rect, [&](size_t texel, size_t at, size_t bytes) {
+      std::memcpy(&plane_[at], &texture.radiance->texels[texel], bytes);
+    });
+    tile.set_radiance_codec(Pack(*tile.mutable_radiance()));
+  }
+  return tile;
+}
+
+v1::Codec TileEncoder::Pack(std::string& packed) {
+  packed.resize(plane_.size());
+  // No room for more than the plane itself: an error means that it would not shrink.
+  const size_t size = ZSTD_compressCCtx(zstd_.get(), packed.data(), packed.size(), plane_.data(),
+                                        plane_.size(), kZstdLevel);
+  if (ZSTD_isError(size) || size >= plane_.size()) {
+    packed.assign(plane_.data(), plane_.size());
+    return v1::CODEC_RAW;
+  }
+  packed.resize(size);
+  return v1::CODEC_ZSTD;
+}
+
+TileDecoder::TileDecoder() : zstd_(ZSTD_createDCtx(), &ZSTD_freeDCtx) {}
+
+absl::Status TileDecoder::Decode(const v1::Tile& tile, SoftShadowTexture& texture) {
+  const TileGrid grid = GridOf(texture);
+  if (tile.column() >= grid.columns() || tile.row() >= grid.rows()) {
+    return Invalid("RANGE", "tile",
+                   "found column " + std::to_string(tile.column()) + " and row " +
+                       std::to_string(tile.row()) + ", need a tile of a grid of " +
+                       std::to_string(grid.columns()) + " by " + std::to_string(grid.rows()));
+  }
+  const Rect rect = RectOf(grid, tile.column(), tile.row());
+  const size_t bytes_per_count = BytesPerCount(texture);
+  if (auto status = Unpack(tile.counts_codec(), tile.counts(), rect.texels() * bytes_per_count,
+                           "tile.counts");
+      !status.ok()) {
+    return status;
+  }
+  if (!ScatterCounts(plane_, rect, bytes_per_count, texture.visibility)) {
+    return Invalid("RANGE", "tile.counts", "found a count above the number of samples, need less");
+  }
+  if (!texture.radiance) return absl::OkStatus();
+  if (auto status = Unpack(tile.radiance_codec(), tile.radiance(), rect.texels() * sizeof(Vec3),
+                           "tile.radiance");
+      !status.ok()) {
+    return status;
+  }
+  ForRowsOfRadiance(grid.width, rect, [&](size_t texel, size_t at, size_t bytes) {
+    std::memcpy(&texture.radiance->texels[texel], &plane_[at], bytes);
+  });
+  return absl::OkStatus();
+}
+
+absl::Status TileDecoder::Unpack(v1::Codec codec, const std::string& packed, size_t size,
+                                 const char* name) {
+  size_t found = packed.size();
+  plane_.resize(size);
+  if (codec == v1::CODEC_ZSTD) {
+    found = ZSTD_decompressDCtx(zstd_.get(), plane_.data(), size, packed.data(), packed.size());
+    if (ZSTD_isError(found)) {
+      return Invalid("CODEC", name,
+                     std::string("found ") + ZSTD_getErrorName(found) +
+                         ", need a Zstandard frame of " + std::to_string(size) + " bytes");
+    }
+  } else if (codec == v1::CODEC_RAW) {
+    if (found == size) std::copy(packed.begin(), packed.end(), plane_.begin());
+  } else {
+    return Invalid("CODEC", name, "found codec " + std::to_string(codec) + ", need raw or zstd");
+  }
+  if (found != size) {
+    return Invalid("LENGTH", name,
+                   "found " + std::to_string(found) + " bytes, need " + std::to_string(size));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace penumbra
