@@ -1,0 +1,76 @@
+// A thread that owns a GL context, and a queue of work for it.
+//
+//   auto worker = gl::Worker::Create({.context = {.device = options.egl_device}});
+//   if (!worker.ok()) return worker.status();
+//   absl::Status done = (*worker)->Run([&](gl::Context& context) { return Draw(context); });
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "render/gl/context.h"
+
+namespace penumbra::gl {
+
+struct WorkerOptions {
+  ContextOptions context;
+  size_t max_queued = 64;  // jobs waiting; past that Submit refuses
+};
+
+// Jobs run one at a time, in order, with the context current. When a job leaves the context lost, the
+// worker makes a new one and runs the job once more; so a job keeps nothing on the GPU but what it can
+// make again (see Context::serial). Any thread may submit. Destroying runs what is queued, then ends.
+class Worker {
+ public:
+  using Job = std::function<void(Context&)>;
+
+  // Errors  those of Context::Create
+  static absl::StatusOr<std::unique_ptr<Worker>> Create(const WorkerOptions& options = {});
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  // Queues `job`. Errors  kResourceExhausted: the queue is full; kUnavailable: the context was lost and
+  //                       could not be made again
+  absl::Status Submit(Job job);
+
+  // Queues `job`, waits for it and returns what it returned. Not from a job of the same worker.
+  // Errors  those of Submit; kUnavailable: the context was lost twice
+  absl::Status Run(std::function<absl::Status(Context&)> job);
+
+  // Of the context in use; a copy, for it changes when the context is made again.
+  ContextInfo info() const;
+  // How often the context was lost and made again.
+  int rebuild_count() const;
+
+ private:
+  struct Entry;
+
+  explicit Worker(const WorkerOptions& options) : options_(options) {}
+  void Loop();
+  absl::Status Rebuild();
+  void RunEntry(Entry& entry);
+  absl::Status Push(Entry entry);
+
+  const WorkerOptions options_;
+  std::unique_ptr<Context> context_;  // the thread's own; null while it cannot be made
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Entry> queue_;     // guarded by mutex_, as all below
+  bool is_stopping_ = false;
+  bool has_started_ = false;
+  absl::Status context_status_;
+  ContextInfo info_;
+  int rebuild_count_ = 0;
+
+  std::thread thread_;
+};
+
+}  // namespace penumbra::gl
