@@ -1,0 +1,46 @@
+#!/bin/sh
+# Runs the whole suite: installs what is missing, builds with warnings as errors, runs every test.
+#
+#   tests/run.sh            # all of it: also under the address, undefined-behaviour and thread
+#                           # sanitizers (unit, conformance and integration tests)
+#   tests/run.sh --quick    # under five minutes: without the sanitizers and the tests marked long
+#
+# Ends with ctest's own summary; the status is ctest's.
+set -eu
+
+cd "$(dirname "$0")/.."
+
+quick=no
+case "${1-}" in
+  '') ;;
+  --quick) quick=yes ;;
+  -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  *) echo "run.sh: found '$1', need --quick or nothing" >&2; exit 2 ;;
+esac
+
+deploy/install_packages.sh build run test
+
+step() { printf '\n== %s\n' "$*"; }
+
+step "building (preset ci)"
+deploy/build.sh ci
+
+if [ "$quick" = yes ]; then
+  step "running the tests that are not long"
+  exec ctest --test-dir build/ci -LE 'long' --no-tests=error --output-on-failure -j "$(nproc)"
+fi
+
+for preset in asan tsan; do
+  step "building (preset $preset)"
+  deploy/build.sh "$preset"
+done
+
+# One run of ctest over the three builds. In a build with a sanitizer only what is to run under it
+# is a test, one for each program, so nothing is to be left out here.
+mkdir -p build/all
+for preset in ci asan tsan; do
+  echo "subdirs(\"$PWD/build/$preset\")"
+done > build/all/CTestTestfile.cmake
+
+step "running all tests"
+exec ctest --test-dir build/all --no-tests=error --output-on-failure -j "$(nproc)"

@@ -1,0 +1,56 @@
+// Small meshes and receivers for tests.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/scene/mesh.h"
+#include "render/scene/receiver.h"
+
+namespace penumbra::testing {
+
+inline std::shared_ptr<const Mesh> MeshOf(MeshGeometry geometry) {
+  return Mesh::Create(std::move(geometry)).value();
+}
+
+// The closed box [-1, 1]³, its faces counter-clockwise seen from outside.
+inline MeshGeometry UnitBoxGeometry() {
+  MeshGeometry box;
+  for (int corner = 0; corner < 8; ++corner) {
+    box.positions.emplace_back((corner & 1) ? 1 : -1, (corner & 2) ? 1 : -1, (corner & 4) ? 1 : -1);
+  }
+  box.indices = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+  return box;
+}
+
+// The square [-1, 1]² in the plane y = 0, facing up, with uv from (0, 0) to (1, 1).
+inline MeshGeometry UnitSquareGeometry() {
+  return {.positions = {{-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}},
+          .indices = {0, 1, 2, 0, 2, 3},
+          .normals = {},
+          .uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+}
+
+inline Affine Placed(Vec3 position, float scale = 1.0f) {
+  return Affine(Vec3(scale, 0, 0), Vec3(0, scale, 0), Vec3(0, 0, scale), position);
+}
+
+inline Affine Placed(Vec3 position, Vec3 scale) {
+  return Affine(Vec3(scale.x, 0, 0), Vec3(0, scale.y, 0), Vec3(0, 0, scale.z), position);
+}
+
+// `side` metres square in the plane y = 0, centred, facing up.
+inline Receiver FloorReceiver(std::string id, float side, uint32_t texels) {
+  const float half = 0.5f * side;
+  return {.id = std::move(id),
+          .shape = Parallelogram{.origin = Vec3(-half, 0, half),
+                                 .edge_u = Vec3(side, 0, 0),
+                                 .edge_v = Vec3(0, 0, -side)},
+          .width = texels,
+          .height = texels};
+}
+
+}  // namespace penumbra::testing
