@@ -32,8 +32,8 @@ struct ContextInfo {
   bool is_software = false;
   bool is_robust = false;  // out-of-range accesses are defined, and a reset is reported
   int max_texture_side = 0;
-  int max_samples = 0;             // of a multisampled colour target
-  int64_t max_storage_bytes = 0;   // of one shader storage block
+  int max_samples = 0;            // of a multisampled colour target
+  int64_t max_storage_bytes = 0;  // of one shader storage block
 };
 
 class Context;
@@ -55,8 +55,8 @@ class Context {
   Context& operator=(const Context&) = delete;
 
   const ContextInfo& info() const { return info_; }
-  // Different for every context of the process: what holds GL objects compares it to find out whether
-  // they still exist.
+  // Different for every context of the process: what holds GL objects compares it to find out
+  // whether they still exist.
   uint64_t serial() const { return serial_; }
   int object_count() const { return life_->object_count; }
   const std::shared_ptr<ContextLife>& life() const { return life_; }
@@ -93,8 +93,8 @@ class Context {
   std::shared_ptr<ContextLife> life_;
 };
 
-// The name of a GL object and the duty to delete it. Move-only. Deletes on the context's thread while
-// the context lives; afterwards there is nothing to delete.
+// The name of a GL object and the duty to delete it. Move-only. Deletes on the context's thread
+// while the context lives; afterwards there is nothing to delete.
 class ObjectName {
  public:
   using Delete = void (*)(uint32_t name);

@@ -1,4 +1,5 @@
-// Drawing and computing. Each call states all it depends on; nothing is left over from the one before.
+// Drawing and computing. Each call states all it depends on; nothing is left over from the one
+// before.
 //
 //   gl::Draw(context, {.program = program, .vertices = vertices, .target = target, .count = 36});
 //

@@ -1,5 +1,5 @@
-// The one place that includes GL and EGL. Their order matters, and X11 must stay out: nothing here has
-// a window. Only sources of render/gl include this header.
+// The one place that includes GL and EGL. Their order matters, and X11 must stay out: nothing here
+// has a window. Only sources of render/gl include this header.
 #pragma once
 
 #define EGL_NO_X11

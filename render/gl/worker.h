@@ -23,9 +23,10 @@ struct WorkerOptions {
   size_t max_queued = 64;  // jobs waiting; past that Submit refuses
 };
 
-// Jobs run one at a time, in order, with the context current. When a job leaves the context lost, the
-// worker makes a new one and runs the job once more; so a job keeps nothing on the GPU but what it can
-// make again (see Context::serial). Any thread may submit. Destroying runs what is queued, then ends.
+// Jobs run one at a time, in order, with the context current. When a job leaves the context lost,
+// the worker makes a new one and runs the job once more; so a job keeps nothing on the GPU but what
+// it can make again (see Context::serial). Any thread may submit. Destroying runs what is queued,
+// then ends.
 class Worker {
  public:
   using Job = std::function<void(Context&)>;
@@ -36,7 +37,8 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  // Queues `job`. Errors  kResourceExhausted: the queue is full; kUnavailable: the context was lost and
+  // Queues `job`. Errors  kResourceExhausted: the queue is full; kUnavailable: the context was lost
+  // and
   //                       could not be made again
   absl::Status Submit(Job job);
 
@@ -50,7 +52,11 @@ class Worker {
   int rebuild_count() const;
 
  private:
-  struct Entry;
+  // A job, and who to tell how it went.
+  struct Entry {
+    Job job;
+    std::function<void(absl::Status)> finish;  // may be null
+  };
 
   explicit Worker(const WorkerOptions& options) : options_(options) {}
   void Loop();
@@ -63,7 +69,7 @@ class Worker {
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Entry> queue_;     // guarded by mutex_, as all below
+  std::deque<Entry> queue_;  // guarded by mutex_, as all below
   bool is_stopping_ = false;
   bool has_started_ = false;
   absl::Status context_status_;
