@@ -58,7 +58,8 @@ std::shared_ptr<const Receiver> Scene::FindReceiver(std::string_view receiver_id
 absl::StatusOr<ReceiverPatch> Scene::ResolveReceiver(std::string_view receiver_id) const {
   const auto receiver = FindReceiver(receiver_id);
   if (!receiver) return UnknownReceiver(receiver_id);
-  ReceiverPatch resolved{.width = receiver->width,
+  ReceiverPatch resolved{.patch = {},
+                         .width = receiver->width,
                          .height = receiver->height,
                          .two_sided = receiver->two_sided,
                          .reflectance = receiver->reflectance};
