@@ -43,6 +43,12 @@ std::shared_ptr<const Scene> Scene::Empty(std::string id) {
   return scene;
 }
 
+std::shared_ptr<const Scene> Scene::WithRevision(Revision revision) const {
+  std::shared_ptr<Scene> scene(new Scene(*this));
+  scene->revision_ = revision;
+  return scene;
+}
+
 std::shared_ptr<const Instance> Scene::FindInstance(std::string_view instance_id) const {
   return Find(*instances_, instance_id);
 }

@@ -61,6 +61,9 @@ class Scene {
   absl::StatusOr<std::shared_ptr<const Scene>> Apply(const SceneDelta& delta,
                                                      const SceneLimits& limits = {}) const;
 
+  // The same content at another revision, for mirrors that do not see every commit on its own.
+  std::shared_ptr<const Scene> WithRevision(Revision revision) const;
+
   const std::string& id() const { return id_; }
   Revision revision() const { return revision_; }
   // Of the content alone: equal for equal scenes whatever their history and their id.
