@@ -1,0 +1,29 @@
+// Where a picture is taken from.
+//
+//   Camera camera = FrameScene(scene.Bounds(), 16.0f / 9.0f);
+#pragma once
+
+#include "absl/status/status.h"
+#include "render/math/aabb.h"
+#include "render/math/vec.h"
+
+namespace penumbra {
+
+struct Camera {
+  Vec3 eye{0, 0, 1};
+  Vec3 target{0.0f};
+  Vec3 up{0, 1, 0};         // any length > 0; when it points along the view another is taken
+  float fov_y_deg = 40.0f;  // the whole vertical opening, (0, 180)
+};
+
+// Errors  kInvalidArgument, field paths "camera.eye" and so on: not finite, eye at target, RANGE
+absl::Status CheckCamera(const Camera& camera);
+
+// Takes world to clip space with reversed depth (render/gl/draw.h): nothing is too far, and what is
+// nearer than 1/10,000 of the way to the target is cut.
+DMat4 ClipFromWorld(const Camera& camera, double aspect);
+
+// The view from the front, right and above that just holds `bounds`. `aspect` is width over height.
+Camera FrameScene(const Aabb& bounds, float aspect);
+
+}  // namespace penumbra

@@ -1,0 +1,50 @@
+// Image files: PNG for screens, EXR for numbers.
+//
+//   absl::Status status = WritePng("view.png", width, height, ToSrgb(picture, tone));
+//   status = WriteExr("floor.exr", w, h, {{{"count", counts}, {"R", red}, {"G", green}, {"B",
+//   blue}}});
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/display/picture.h"
+
+namespace penumbra {
+
+// One channel of an image: H×W values, row 0 written first.
+struct NamedPlane {
+  std::string name;
+  std::span<const float> values;
+};
+
+// All that write: kPermissionDenied, kNotFound (no such folder) or kUnknown with the path and why;
+// a file that could not be written whole is removed. kInvalidArgument: sizes that do not agree.
+
+// H×W×3 bytes in sRGB.
+absl::Status WritePng(const std::filesystem::path& path, int width, int height,
+                      std::span<const uint8_t> rgb);
+
+// 32-bit floats without loss, channels as named.
+absl::Status WriteExr(const std::filesystem::path& path, int width, int height,
+                      std::span<const NamedPlane> planes);
+// Channels R, G, B and A.
+absl::Status WriteExr(const std::filesystem::path& path, const Picture& picture);
+
+struct Planes {
+  int width = 0;
+  int height = 0;
+  std::map<std::string, std::vector<float>> values;  // channel → H·W, row 0 of the file first
+};
+
+// Any file that OpenImageIO reads; bytes become [0, 1].
+// Errors  kNotFound, kInvalidArgument with the path and why
+absl::StatusOr<Planes> ReadImage(const std::filesystem::path& path);
+
+}  // namespace penumbra
