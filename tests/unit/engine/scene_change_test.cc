@@ -1,0 +1,99 @@
+#include "render/engine/scene_change.h"
+
+#include "gtest/gtest.h"
+#include "tests/support/shapes.h"
+#include "tests/unit/engine/scripted_technique.h"
+
+namespace penumbra {
+namespace {
+
+using ::penumbra::testing::BoxAt;
+using ::penumbra::testing::FloorReceiver;
+using ::penumbra::testing::LampAndFloor;
+using ::penumbra::testing::LampOnFloor;
+using ::penumbra::testing::MeshOf;
+using ::penumbra::testing::Placed;
+using ::penumbra::testing::UnitSquareGeometry;
+
+class SceneChangeTest : public ::testing::Test {
+ protected:
+  bool Affects(const SceneDelta& delta) {
+    const auto after = before_->Apply(delta).value();
+    return SceneChange(*before_, *after, delta).Affects(spec_);
+  }
+  Instance Box() const { return *before_->FindInstance("box"); }
+  void Have(const SceneDelta& delta) { before_ = before_->Apply(delta).value(); }
+
+  std::shared_ptr<const Scene> before_ = Scene::Empty("s")->Apply(LampAndFloor()).value();
+  ArtifactSpec spec_ = LampOnFloor();
+};
+
+TEST_F(SceneChangeTest, AnOccluderThatComesGoesOrMovesInTheWayAffects) {
+  EXPECT_TRUE(Affects(BoxAt(0.05f)));
+  EXPECT_TRUE(Affects(BoxAt(10))) << "it was in the way before";
+  EXPECT_TRUE(Affects({.remove_instances = {"box"}}));
+  Have(BoxAt(10));
+  EXPECT_TRUE(Affects(BoxAt(0))) << "it is in the way after";
+}
+
+TEST_F(SceneChangeTest, OutOfTheWayDoesNot) {
+  Have(BoxAt(10));
+  EXPECT_FALSE(Affects(BoxAt(12)));
+  EXPECT_FALSE(Affects({.remove_instances = {"box"}}));
+  Instance another = Box();
+  another.id = "another";
+  EXPECT_FALSE(Affects({.upsert_instances = {another}}));
+}
+
+TEST_F(SceneChangeTest, ColourAndReceivesDoNotButWhatCastsDoes) {
+  Instance painted = Box();
+  painted.color = Vec3(0.1f, 0.2f, 0.3f);
+  painted.receives = false;
+  EXPECT_FALSE(Affects({.upsert_instances = {painted}}));
+  Instance ghost = Box();
+  ghost.casts = false;
+  EXPECT_TRUE(Affects({.upsert_instances = {ghost}}));
+  Instance holed = Box();
+  holed.mesh = MeshOf(UnitSquareGeometry());
+  holed.alpha_mask = AlphaMask::Create(1, 1, {0}).value();
+  EXPECT_TRUE(Affects({.upsert_instances = {holed}}));
+  Have({.upsert_instances = {holed}});
+  holed.alpha_cutoff = 0.0f;
+  EXPECT_TRUE(Affects({.upsert_instances = {holed}}));
+}
+
+TEST_F(SceneChangeTest, WhatNeverCastsMayMoveFreely) {
+  Instance ghost = Box();
+  ghost.casts = false;
+  Have({.upsert_instances = {ghost}});
+  ghost.world_from_mesh = Placed(Vec3(0.1f, 1, 0), 0.3f);
+  EXPECT_FALSE(Affects({.upsert_instances = {ghost}}));
+}
+
+TEST_F(SceneChangeTest, LightAndReceiver) {
+  EXPECT_FALSE(Affects({.upsert_lights = {*before_->FindLight("lamp")}})) << "equal to what was";
+  EXPECT_TRUE(Affects({.upsert_lights = {{"lamp", PointLight{.position = Vec3(0, 3, 0)}}}}));
+  EXPECT_FALSE(Affects({.upsert_lights = {{"other", PointLight{}}}}));
+  EXPECT_TRUE(Affects({.remove_lights = {"lamp"}}));
+  EXPECT_FALSE(Affects({.upsert_receivers = {FloorReceiver("floor", 1, 8)}}));
+  EXPECT_TRUE(Affects({.upsert_receivers = {FloorReceiver("floor", 1, 16)}}));
+  EXPECT_TRUE(Affects({.remove_receivers = {"floor"}}));
+}
+
+TEST_F(SceneChangeTest, APlanarReceiverFollowsItsInstance) {
+  Instance table{.id = "table",
+                 .mesh = MeshOf(UnitSquareGeometry()),
+                 .world_from_mesh = Placed(Vec3(5, 0.5f, 0), 0.2f),
+                 .casts = false};
+  Have({.upsert_instances = {table},
+        .upsert_receivers = {{.id = "top", .shape = PlanarInstance{"table"}}}});
+  spec_.receiver_id = "top";
+  EXPECT_FALSE(Affects(BoxAt(-0.2f)));
+  table.color = Vec3(0.5f);
+  EXPECT_FALSE(Affects({.upsert_instances = {table}}));
+  table.world_from_mesh = Placed(Vec3(5, 0.6f, 0), 0.2f);
+  EXPECT_TRUE(Affects({.upsert_instances = {table}}));
+}
+
+}  // namespace
+}  // namespace penumbra
