@@ -1,0 +1,183 @@
+"""Each lint finds what was planted for it, and nothing in a clean tree.
+
+    python3 tests/lint/lint_test.py
+"""
+
+import pathlib
+import shutil
+import tempfile
+import unittest
+
+import check_format
+import check_layers
+import check_readme
+import check_style
+
+LIBRARY = "penumbra_library({name} SOURCES {source} LINKS {links})\n"
+MATH_H = "// A box.\n#pragma once\n\n#include <glm/glm.hpp>\n"
+CLEAN = {
+    "render/math/CMakeLists.txt": LIBRARY.format(name="penumbra_math", source="box.cc", links=""),
+    "render/math/box.h": MATH_H,
+    "render/math/box.cc": '#include "render/math/box.h"\n',
+    "render/scene/CMakeLists.txt": LIBRARY.format(name="penumbra_scene", source="scene.cc",
+                                                  links="penumbra_math"),
+    "render/scene/scene.cc": '#include <vector>\n\n#include "render/math/box.h"\n',
+}
+
+
+class TreeTest(unittest.TestCase):
+    def setUp(self):
+        self.root = pathlib.Path(tempfile.mkdtemp(prefix="penumbra-lint-"))
+        self.addCleanup(shutil.rmtree, self.root)
+        for path, text in CLEAN.items():
+            self.write(path, text)
+
+    def write(self, path, text):
+        file = self.root / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+
+    def add(self, path, text):
+        self.write(path, (self.root / path).read_text() + text)
+
+    def assert_finds(self, found, fragment):
+        self.assertEqual([v for v in found if fragment in v] and len(found), 1, found)
+
+
+class LayersTest(TreeTest):
+    def found(self):
+        return check_layers.check(self.root)
+
+    def test_clean_tree(self):
+        self.assertEqual(self.found(), [])
+
+    def test_include_against_the_direction(self):
+        self.write("render/scene/scene.h", "// A scene.\n#pragma once\n")
+        self.add("render/math/box.h", '#include "render/scene/scene.h"\n')
+        self.assertIn("render/math/box.h: render/math must not include render/scene/scene.h",
+                      self.found())
+
+    def test_protobuf_in_render(self):
+        self.add("render/scene/scene.cc", '#include "penumbra/v1/scene.pb.h"\n')
+        self.assert_finds(self.found(), "must not include penumbra/v1/scene.pb.h (protobuf)")
+
+    def test_gl_outside_of_its_room(self):
+        self.write("client/display/CMakeLists.txt", "penumbra_library(d SOURCES d.cc)\n")
+        self.write("client/display/d.cc", "#include <epoxy/gl.h>\n")
+        self.assertIn("client/display/d.cc: epoxy headers are for render/gl/gl.h alone",
+                      self.found())
+
+    def test_client_knows_specs_but_no_technique(self):
+        self.write("client/cli/CMakeLists.txt", "penumbra_library(c SOURCES c.cc)\n")
+        self.write("client/cli/c.cc", '#include "render/technique/artifact_spec.h"\n'
+                                      '#include "render/technique/technique.h"\n'
+                                      '#include "server/limits.h"\n')
+        found = self.found()
+        self.assertEqual(len(found), 2, found)
+        self.assertIn("client/cli must not include render/technique/technique.h", found[0])
+        self.assertIn("client/cli must not include server/limits.h", found[1])
+
+    def test_unknown_dependency(self):
+        self.add("render/scene/scene.cc", "#include <boost/any.hpp>\n")
+        self.assert_finds(self.found(), "boost/any.hpp is in no group")
+
+    def test_headers_that_must_not_meet(self):
+        self.write("client/display/CMakeLists.txt", "penumbra_library(d SOURCES d.cc)\n")
+        self.write("client/display/picture.h",
+                   "// P.\n#pragma once\n#include <OpenImageIO/imageio.h>\n")
+        self.write("client/display/d.cc", '#include "client/display/picture.h"\n'
+                                          '#include "penumbra/v1/scene.pb.h"\n')
+        self.assertIn("client/display/d.cc: oiio and protobuf headers in one translation unit",
+                      self.found())
+
+    def test_impure_render(self):
+        for line in ("#include <fstream>\n", 'const char* p = getenv("HOME");\n',
+                     "auto t = steady_clock::now();\n"):
+            with self.subTest(line):
+                self.write("render/scene/scene.cc", CLEAN["render/scene/scene.cc"] + line)
+                self.assert_finds(self.found(), "render/ knows no files")
+
+    def test_words_in_comments_do_not_count(self):
+        self.add("render/scene/scene.cc", "// Unlike getenv().\n")
+        self.assertEqual(self.found(), [])
+
+    def test_source_in_no_target(self):
+        self.write("render/math/lost.cc", "")
+        self.assert_finds(self.found(), "render/math/lost.cc: in no target's SOURCES")
+
+    def test_link_against_the_direction(self):
+        self.write("render/math/CMakeLists.txt",
+                   LIBRARY.format(name="penumbra_math", source="box.cc", links="penumbra_scene"))
+        self.assert_finds(self.found(), "penumbra_math must not link penumbra_scene")
+
+    def test_include_without_link(self):
+        self.write("render/scene/CMakeLists.txt",
+                   LIBRARY.format(name="penumbra_scene", source="scene.cc", links=""))
+        self.assert_finds(self.found(), "penumbra_scene does not link penumbra_math")
+
+
+class StyleTest(TreeTest):
+    def found(self, long_on_purpose=()):
+        return check_style.check(self.root, dict.fromkeys(long_on_purpose, "reason"))
+
+    def test_clean_tree(self):
+        self.assertEqual(self.found(), [])
+
+    def test_long_files(self):
+        self.add("render/math/box.h", "\n" * 150)
+        self.add("render/math/box.cc", "\n" * 300)
+        self.assertEqual(self.found(), ["render/math/box.cc: 301 lines, at most 300",
+                                        "render/math/box.h: 154 lines, at most 150"])
+        self.assertEqual(self.found(["render/math/box.cc", "render/math/box.h"]), [])
+
+    def test_long_function(self):
+        body = "  ++n;\n" * 39
+        self.add("render/math/box.cc", "int Count(int n) {\n" + body + "}\n")
+        self.assert_finds(self.found(), "Count has 41 lines, at most 40")
+        self.assertEqual(self.found(["render/math/box.cc:Count"]), [])
+
+    def test_excuse_that_excuses_nothing(self):
+        self.assert_finds(self.found(["render/math/box.cc"]), "is not too long")
+
+    def test_unfinished(self):
+        self.add("render/math/box.cc", "// TO" "DO: the rest\n")
+        self.assert_finds(self.found(), "render/math/box.cc:2: TO" "DO")
+
+    def test_header_that_does_not_say_what_it_is_for(self):
+        self.write("render/math/box.h", "#pragma once\n")
+        self.assert_finds(self.found(), "a header opens by saying what it is for")
+
+
+class FormatTest(TreeTest):
+    def setUp(self):
+        super().setUp()
+        self.write(".clang-format", "BasedOnStyle: Google\nColumnLimit: 100\n")
+
+    def test_clean_tree(self):
+        self.assertEqual(check_format.check(self.root), [])
+
+    def test_bad_format(self):
+        self.add("render/math/box.cc", "int  x ;\n")
+        self.assert_finds(check_format.check(self.root),
+                          "render/math/box.cc:2: not as clang-format writes it")
+
+
+class ReadmeTest(TreeTest):
+    def found(self, text):
+        self.write("README.md", text)
+        return check_readme.check(self.root, self.root)
+
+    def test_commands_run_in_order_in_one_folder(self):
+        self.assertEqual(self.found("<!-- test -->\n```sh\necho 1 > a\n```\n"
+                                    "<!-- test -->\n```sh\ntest -s a\n```\n"), [])
+
+    def test_command_that_fails(self):
+        self.assert_finds(self.found("<!-- test -->\n```sh\nls /nowhere-at-all\ntrue\n```\n"),
+                          "nowhere-at-all")
+
+    def test_unmarked_commands_do_not_run(self):
+        self.assert_finds(self.found("```sh\nfalse\n```\n"), "no block is marked")
+
+
+if __name__ == "__main__":
+    unittest.main()
