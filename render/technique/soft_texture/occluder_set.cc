@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <utility>
 
 #include "render/technique/soft_texture/coverage_kernel.h"
 
@@ -27,8 +29,10 @@ class SetBuilder {
   void Add(const std::shared_ptr<const Instance>& instance) {
     const Mesh& mesh = *instance->mesh;
     const bool masked = instance->alpha_mask != nullptr;
-    if (masked && set_.uv.empty()) set_.uv.resize(set_.x.size());
-    keep_uv_ = !set_.uv.empty();
+    if (masked && !keep_uv_) {
+      keep_uv_ = true;
+      set_.uv.resize(set_.x.size());
+    }
     corners_.clear();
     corners_.reserve(mesh.vertex_count());
     double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
