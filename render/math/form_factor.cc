@@ -49,10 +49,13 @@ double WholeDiskFormFactor(DVec3 center, DVec3 axis, double radius, DVec3 point,
   const double sum = z2 + rho2 + r2;
   const double root = std::sqrt(std::max(0.0, sum * sum - 4 * rho2 * r2));
   if (root == 0) return 0;  // on the rim
-  const double axial = 0.5 * (1 - (z2 + rho2 - r2) / root);
+  // ½ (1 − difference / root), where root² = difference² + 4 z² r².
+  const double difference = z2 + rho2 - r2;
+  const double axial = difference > 0 ? 2 * z2 * r2 / (root * (root + difference))
+                                      : 0.5 * (1 - difference / root);
   const DVec3 towards_plane = along < 0 ? -axis : axis;
-  // (sum − root) / root without the cancellation that a distant disc brings.
-  const double radial_over_rho = 0.5 * z * (4 * r2) / (root * (sum + root));
+  // z / 2ρ² (sum / root − 1), where root² = sum² − 4 ρ² r². Neither form loses digits on a distant disc.
+  const double radial_over_rho = 2 * z * r2 / (root * (sum + root));
   return axial * glm::dot(normal, towards_plane) + radial_over_rho * glm::dot(normal, across);
 }
 
