@@ -1,0 +1,67 @@
+// Everything that the server bounds, each with its reason. GetServerInfo and the session's welcome
+// report them.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+#include "penumbra/v1/server_info.pb.h"
+#include "render/scene/scene_limits.h"
+
+namespace penumbra {
+
+struct ServerLimits {
+  // Of each scene; the reasons stand there.
+  SceneLimits scene{};
+
+  // A scene of a few objects takes kilobytes, a full one 100 MB besides its blobs.
+  uint32_t max_scenes = 256;
+
+  // Either way. A delta of 8,000 instances fits; one tile of counts and radiance takes 64 KB at
+  // most.
+  uint32_t max_message_bytes = 1u << 20;
+  // gRPC ends the call at its own limit, so this is higher: up to here the session lives on and
+  // says which limit was passed.
+  uint32_t max_transport_message_bytes = 4u << 20;
+  // Elements are sub-messages, strings and byte fields. Protobuf spends about 150 bytes on an empty
+  // one that takes 2 bytes on the wire; an honest message has 25 bytes an element and more.
+  uint32_t min_bytes_per_element = 16;
+  uint32_t always_allowed_elements = 16'384;  // 2.5 MB when parsed
+
+  // The largest mesh that the scene's limits allow, with normals and uvs, takes 704 MB.
+  uint64_t max_blob_bytes = uint64_t{1} << 30;
+  // All blobs together, uploads in progress included.
+  uint64_t max_blob_store_bytes = uint64_t{4} << 30;
+  // 32 bytes each: half a message.
+  uint32_t max_hashes_per_request = 16'384;
+  // A blob that was asked for or uploaded is kept this long without a scene that uses it.
+  std::chrono::seconds unused_blob_lifetime{60};
+  // An upload that sends nothing for so long is dropped.
+  std::chrono::seconds upload_idle_timeout{30};
+
+  // Each keeps one message of 1 MiB at most in flight.
+  uint32_t max_sessions = 1'024;
+  uint32_t max_subscriptions_per_session = 256;
+  uint32_t max_credit = 1'000'000;
+  // Replies that a client has not read; past that its requests wait in the transport.
+  size_t max_queued_replies = 64;
+  // For answering repeated commits, per scene; 100 bytes each.
+  size_t max_idempotency_keys = 1'024;
+  uint32_t max_client_name_bytes = 256;
+
+  // Half a TLS handshake or HTTP/2 preface, then silence.
+  std::chrono::milliseconds handshake_timeout{3'000};
+  // A peer that vanished is found within their sum.
+  std::chrono::milliseconds keepalive_interval{15'000};
+  std::chrono::milliseconds keepalive_timeout{10'000};
+  // A connection without a call; a client's library opens it anew when it needs it.
+  std::chrono::milliseconds connection_idle_timeout{120'000};
+  // Request headers; ours take 300 bytes.
+  uint32_t max_metadata_bytes = 16u << 10;
+  uint32_t max_streams_per_connection = 256;
+};
+
+v1::Limits ToProto(const ServerLimits& limits);
+
+}  // namespace penumbra

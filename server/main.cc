@@ -1,0 +1,119 @@
+// penumbrad: computes shadows for clients on this machine.
+
+#include <grpc/support/log.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "server/penumbra_server.h"
+#include "server/server_identity.h"
+
+namespace penumbra {
+namespace {
+
+struct CommandLine {
+  ServerOptions server;
+  int drain_seconds = 5;
+  std::string address_file;
+};
+
+// What the signals are that end the server; all threads leave them to sigwait.
+sigset_t BlockEndingSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+  signal(SIGHUP, SIG_IGN);
+  return signals;
+}
+
+int WaitFor(const sigset_t& signals) {
+  int number = 0;
+  sigwait(&signals, &number);
+  return number;
+}
+
+// gRPC reports a failed bind on stderr in lines of its own; ours says it in one.
+void SilenceGrpc() {
+  if (!std::getenv("GRPC_VERBOSITY")) gpr_set_log_function([](gpr_log_func_args*) {});
+}
+
+bool WriteAddress(const std::string& file, const std::string& address) {
+  std::ofstream out(file);
+  out << address << "\n" << std::flush;
+  return out.good();
+}
+
+int Fail(const std::string& message) {
+  std::fprintf(stderr, "penumbrad: %s\n", message.c_str());
+  return EXIT_FAILURE;
+}
+
+int Serve(const CommandLine& command) {
+  const sigset_t signals = BlockEndingSignals();
+  auto server = PenumbraServer::Start(command.server);
+  if (!server.ok()) return Fail(std::string(server.status().message()));
+  if (!command.address_file.empty() && !WriteAddress(command.address_file, (*server)->address())) {
+    return Fail("address-file: cannot write " + command.address_file + ", need a writable file");
+  }
+  std::fprintf(stderr, "penumbrad: %sGL: %s\n", (*server)->is_degraded() ? "degraded, " : "",
+               (*server)->gl_summary().c_str());
+  std::printf("listening on %s\n", (*server)->address().c_str());
+  std::fflush(stdout);
+
+  const int first = WaitFor(signals);
+  std::fprintf(stderr, "penumbrad: %s, draining for at most %d s\n", strsignal(first),
+               command.drain_seconds);
+  std::thread([signals] { _exit(128 + WaitFor(signals)); }).detach();
+  (*server)->Shutdown(std::chrono::seconds(command.drain_seconds));
+  return EXIT_SUCCESS;
+}
+
+void AddOptions(CLI::App& app, CommandLine& command) {
+  app.add_option("--listen", command.server.listen,
+                 "Address: loopback, port 0 for a free one, or unix:PATH")
+      ->capture_default_str();
+  app.add_option("--threads", command.server.threads, "Threads that compute; 0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app.add_option("--egl-device", command.server.egl_device,
+                 "EGL device, by number or part of its name; default: the first hardware device, "
+                 "else software");
+  app.add_flag("--reflection", command.server.reflection,
+               "Let clients ask for the service's description");
+  app.add_option("--drain-seconds", command.drain_seconds,
+                 "How long calls may take to end after SIGTERM; a second SIGTERM ends at once")
+      ->check(CLI::Range(0, 3600))
+      ->capture_default_str();
+  app.add_option("--address-file", command.address_file,
+                 "Write the address to this file once the server listens");
+  app.set_version_flag("--version", kServerName);
+}
+
+}  // namespace
+}  // namespace penumbra
+
+int main(int argc, char** argv) {
+  penumbra::SilenceGrpc();
+  CLI::App app{"Penumbra server: computes soft shadows for the scenes that clients stream to it."};
+  penumbra::CommandLine command;
+  penumbra::AddOptions(app, command);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::CallForVersion& version) {
+    return app.exit(version);
+  } catch (const CLI::ParseError& error) {
+    return penumbra::Fail(error.what());
+  }
+  return penumbra::Serve(command);
+}

@@ -1,0 +1,137 @@
+#include "server/penumbra_server.h"
+
+#include <utility>
+
+#include "grpcpp/health_check_service_interface.h"
+#include "grpcpp/security/server_credentials.h"
+#include "grpcpp/server.h"
+#include "grpcpp/server_builder.h"
+#include "render/engine/local_engine.h"
+#include "render/engine/worker_pool.h"
+#include "render/gl/worker.h"
+#include "render/scene/field_error.h"
+#include "server/listen_address.h"
+#include "server/service/penumbra_service.h"
+#include "server/transport.h"
+
+namespace penumbra {
+namespace {
+
+// What the health service calls the GL; it is not serving where the server is degraded.
+constexpr char kGlHealthName[] = "penumbra.gl";
+constexpr int kBlobWorkers = 1;  // a blob takes one core; uploads that come together take turns
+
+double SteadyNowMs() {
+  return std::chrono::duration<double, std::milli>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+LocalEngineOptions EngineOptions(const ServerOptions& options) {
+  return {.cpu_threads = options.threads,
+          .scene_limits = options.limits.scene,
+          .max_scenes = options.limits.max_scenes,
+          .now_ms = SteadyNowMs,
+          .technique_for = options.technique_for};
+}
+
+absl::StatusOr<std::unique_ptr<gl::Worker>> OpenGl(const ServerOptions& options) {
+  if (!options.opens_gl) return absl::UnavailableError("switched off");
+  return gl::Worker::Create({.context = {.device = options.egl_device}});
+}
+
+v1::GlInfo GlInfoOf(const absl::StatusOr<std::unique_ptr<gl::Worker>>& worker) {
+  v1::GlInfo proto;
+  if (!worker.ok()) {
+    proto.set_error(std::string(worker.status().message()));
+    return proto;
+  }
+  const gl::ContextInfo info = (*worker)->info();
+  proto.set_device(info.device.name);
+  proto.set_vendor(info.vendor);
+  proto.set_renderer(info.renderer);
+  proto.set_version(info.version);
+  return proto;
+}
+
+}  // namespace
+
+// In the order in which they need one another; destroyed from below.
+struct PenumbraServer::Parts {
+  explicit Parts(const ServerOptions& options)
+      : limits(options.limits), engine(EngineOptions(options)), gl_worker(OpenGl(options)) {}
+
+  const ServerLimits limits;
+  ServerCounters counters;
+  LocalEngine engine;
+  const absl::StatusOr<std::unique_ptr<gl::Worker>> gl_worker;
+  BlobStore blobs{limits};
+  SceneStore scenes{engine, limits, counters};
+  StreamTable streams{engine, counters};
+  SessionTable sessions{limits};
+  WorkerPool blob_workers{kBlobWorkers};
+  PenumbraService service{ServiceParts{.sessions = {.scenes = scenes,
+                                                    .blobs = blobs,
+                                                    .streams = streams,
+                                                    .limits = limits,
+                                                    .counters = counters},
+                                       .session_table = sessions,
+                                       .engine = engine,
+                                       .blob_workers = blob_workers,
+                                       .gl_info = [this] { return GlInfoOf(gl_worker); },
+                                       .started = std::chrono::steady_clock::now()}};
+  std::string address;
+  std::unique_ptr<grpc::Server> server;
+};
+
+PenumbraServer::PenumbraServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
+    const ServerOptions& options) {
+  if (auto status = CheckListenAddress(options.listen); !status.ok()) return status;
+  if (auto status = TryListening(options.listen); !status.ok()) return status;
+  auto parts = std::make_unique<Parts>(options);
+  PrepareTransport();
+  grpc::ServerBuilder builder;
+  ConfigureTransport(options.limits, options.reflection, builder);
+  int port = 0;
+  builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &port);
+  builder.RegisterService(&parts->service);
+  parts->server = builder.BuildAndStart();
+  if (!parts->server) {
+    return FieldError(absl::StatusCode::kUnavailable, "CANNOT_LISTEN", "listen",
+                      "found " + options.listen + ", need an address to listen on");
+  }
+  parts->address = options.listen;
+  if (!options.listen.starts_with("unix:")) {
+    parts->address = options.listen.substr(0, options.listen.rfind(':') + 1) + std::to_string(port);
+  }
+  parts->server->GetHealthCheckService()->SetServingStatus(v1::PenumbraService::service_full_name(),
+                                                           true);
+  parts->server->GetHealthCheckService()->SetServingStatus(kGlHealthName, parts->gl_worker.ok());
+  return std::unique_ptr<PenumbraServer>(new PenumbraServer(std::move(parts)));
+}
+
+PenumbraServer::~PenumbraServer() { Shutdown(std::chrono::milliseconds(0)); }
+
+const std::string& PenumbraServer::address() const { return parts_->address; }
+
+bool PenumbraServer::is_degraded() const { return !parts_->gl_worker.ok(); }
+
+std::string PenumbraServer::gl_summary() const {
+  const v1::GlInfo info = GlInfoOf(parts_->gl_worker);
+  if (!info.error().empty()) return "none: " + info.error();
+  return info.renderer() + ", OpenGL " + info.version() + ", EGL device " + info.device();
+}
+
+void PenumbraServer::Shutdown(std::chrono::milliseconds drain) {
+  if (!parts_->server) return;
+  parts_->sessions.EndAll(FieldError(absl::StatusCode::kUnavailable, "SHUTTING_DOWN", "",
+                                     "the server is shutting down"));
+  parts_->server->Shutdown(std::chrono::system_clock::now() + drain);
+  parts_->server->Wait();
+  parts_->server.reset();
+  parts_->blob_workers.Stop();
+}
+
+}  // namespace penumbra

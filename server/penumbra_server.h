@@ -1,0 +1,57 @@
+// The whole server in one object: what penumbrad runs, and what tests and benchmarks embed.
+//
+//   auto server = PenumbraServer::Start({.listen = "127.0.0.1:0"});
+//   if (!server.ok()) return server.status();
+//   Connect((*server)->address());
+//   (*server)->Shutdown(std::chrono::seconds(5));
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "render/technique/technique.h"
+#include "server/limits.h"
+
+namespace penumbra {
+
+struct ServerOptions {
+  std::string listen = "127.0.0.1:7717";  // see listen_address.h
+  int threads = 0;                        // that compute; 0: as many as the hardware has
+  std::string egl_device;                 // see gl::Display::Open
+  bool opens_gl = true;                   // otherwise the server is degraded
+  bool reflection = false;
+  ServerLimits limits{};
+  // What computes a spec; tests put their own here. It must outlive the server.
+  std::function<const Technique&(const TechniqueParams&)> technique_for = TechniqueFor;
+};
+
+class PenumbraServer {
+ public:
+  // Listens when it returns. Without an EGL device it starts, and says that it is degraded.
+  //
+  // Errors  those of listen_address.h
+  static absl::StatusOr<std::unique_ptr<PenumbraServer>> Start(const ServerOptions& options);
+  ~PenumbraServer();  // Shutdown without a wait
+
+  // Where clients connect to, with the port that was taken.
+  const std::string& address() const;
+  // One line on the GL in use, or on why there is none.
+  std::string gl_summary() const;
+  bool is_degraded() const;
+
+  // Ends sessions with kUnavailable once their replies are sent, waits for other calls to end, and
+  // cancels what has not ended after `drain`. Only the first call does anything.
+  void Shutdown(std::chrono::milliseconds drain);
+
+ private:
+  struct Parts;
+  explicit PenumbraServer(std::unique_ptr<Parts> parts);
+
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace penumbra

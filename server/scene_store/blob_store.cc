@@ -1,0 +1,160 @@
+#include "server/scene_store/blob_store.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "render/scene/field_error.h"
+
+namespace penumbra {
+namespace {
+
+// The first allocation of an upload; more comes with the bytes, so that announcing much costs
+// nothing.
+constexpr uint64_t kFirstAllocation = 1u << 20;
+
+ContentHash HashOf(const BlobContent& content) {
+  return std::visit([](const auto& blob) { return blob->id(); }, content);
+}
+
+bool IsInUse(const BlobContent& content) {
+  return std::visit([](const auto& blob) { return blob.use_count() > 1; }, content);
+}
+
+absl::Status Invalid(const char* reason, const char* field, const std::string& text) {
+  return FieldError(absl::StatusCode::kInvalidArgument, reason, field, text);
+}
+
+absl::Status OverQuota(const char* what, uint64_t found, uint64_t limit) {
+  return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_BLOB_BYTES", "header.size_bytes",
+                    "found " + std::to_string(found) + ", need at most " + std::to_string(limit) +
+                        " bytes " + what);
+}
+
+}  // namespace
+
+BlobStore::BlobStore(const ServerLimits& limits, Clock now)
+    : limits_(limits), now_(std::move(now)) {}
+
+absl::StatusOr<std::unique_ptr<BlobStore::Upload>> BlobStore::Begin(const ContentHash& hash,
+                                                                    uint64_t size_bytes) {
+  if (size_bytes == 0) {
+    return Invalid("LENGTH", "header.size_bytes", "found 0, need the number of bytes");
+  }
+  if (size_bytes > limits_.max_blob_bytes) {
+    return OverQuota("in one blob", size_bytes, limits_.max_blob_bytes);
+  }
+  std::lock_guard lock(mutex_);
+  MakeRoom(size_bytes);
+  if (bytes_ + size_bytes > limits_.max_blob_store_bytes) {
+    return OverQuota("in all blobs together", bytes_ + size_bytes, limits_.max_blob_store_bytes);
+  }
+  bytes_ += size_bytes;
+  return std::unique_ptr<Upload>(new Upload(*this, hash, size_bytes));
+}
+
+BlobStore::Upload::~Upload() { store_.GiveBack(size_); }
+
+absl::Status BlobStore::Upload::Append(const std::string& data) {
+  if (data.size() > size_ - bytes_.size()) {
+    return Invalid("LENGTH", "data",
+                   "found " + std::to_string(bytes_.size() + data.size()) +
+                       " bytes, need the announced " + std::to_string(size_));
+  }
+  if (bytes_.empty()) bytes_.reserve(std::min(size_, kFirstAllocation));
+  const auto* begin = reinterpret_cast<const std::byte*>(data.data());
+  bytes_.insert(bytes_.end(), begin, begin + data.size());
+  return absl::OkStatus();
+}
+
+absl::StatusOr<BlobContent> BlobStore::Upload::Finish() {
+  if (!is_complete()) {
+    return Invalid("LENGTH", "data",
+                   "found " + std::to_string(bytes_.size()) + " bytes, need the announced " +
+                       std::to_string(size_));
+  }
+  auto content = DecodeBlob(bytes_, store_.limits_.scene);
+  if (!content.ok()) return content.status();
+  std::vector<std::byte>().swap(bytes_);
+  if (const ContentHash found = HashOf(*content); found != hash_) {
+    return Invalid("HASH_MISMATCH", "header.hash",
+                   "found " + hash_.hex() + ", need that of the content, " + found.hex());
+  }
+  store_.Keep(hash_, size_, *content);
+  return content;
+}
+
+void BlobStore::Keep(const ContentHash& hash, uint64_t bytes, BlobContent content) {
+  std::lock_guard lock(mutex_);
+  const auto [entry, is_new] = entries_.try_emplace(hash);
+  entry->second.used = now_();
+  if (!is_new) return;
+  entry->second.content = std::move(content);
+  entry->second.bytes = bytes;
+  bytes_ += bytes;  // its own: the upload's go back when that ends
+}
+
+void BlobStore::GiveBack(uint64_t bytes) {
+  std::lock_guard lock(mutex_);
+  bytes_ -= bytes;
+}
+
+void BlobStore::MakeRoom(uint64_t bytes) {
+  if (bytes_ + bytes <= limits_.max_blob_store_bytes) return;
+  const auto kept_since = now_() - limits_.unused_blob_lifetime;
+  std::vector<std::pair<std::chrono::steady_clock::time_point, ContentHash>> unused;
+  for (const auto& [hash, entry] : entries_) {
+    if (entry.used < kept_since && !IsInUse(entry.content)) unused.emplace_back(entry.used, hash);
+  }
+  std::sort(unused.begin(), unused.end());
+  for (const auto& [used, hash] : unused) {
+    if (bytes_ + bytes <= limits_.max_blob_store_bytes) return;
+    const auto entry = entries_.find(hash);
+    bytes_ -= entry->second.bytes;
+    entries_.erase(entry);
+  }
+}
+
+const BlobStore::Entry* BlobStore::Find(const ContentHash& hash) const {
+  const auto entry = entries_.find(hash);
+  if (entry == entries_.end()) return nullptr;
+  entry->second.used = now_();
+  return &entry->second;
+}
+
+bool BlobStore::Contains(const ContentHash& hash) const {
+  std::lock_guard lock(mutex_);
+  return Find(hash) != nullptr;
+}
+
+std::shared_ptr<const Mesh> BlobStore::FindMesh(const ContentHash& hash) const {
+  std::lock_guard lock(mutex_);
+  const Entry* entry = Find(hash);
+  const auto* mesh = entry ? std::get_if<std::shared_ptr<const Mesh>>(&entry->content) : nullptr;
+  return mesh ? *mesh : nullptr;
+}
+
+std::shared_ptr<const AlphaMask> BlobStore::FindMask(const ContentHash& hash) const {
+  std::lock_guard lock(mutex_);
+  const Entry* entry = Find(hash);
+  const auto* mask =
+      entry ? std::get_if<std::shared_ptr<const AlphaMask>>(&entry->content) : nullptr;
+  return mask ? *mask : nullptr;
+}
+
+size_t BlobStore::blob_count() const {
+  std::lock_guard lock(mutex_);
+  return entries_.size();
+}
+
+uint64_t BlobStore::blob_bytes() const {
+  std::lock_guard lock(mutex_);
+  return bytes_;
+}
+
+size_t DegenerateTriangleCount(const BlobContent& content) {
+  const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&content);
+  return mesh ? (*mesh)->degenerate_triangle_count() : 0;
+}
+
+}  // namespace penumbra

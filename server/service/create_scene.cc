@@ -1,0 +1,20 @@
+#include "proto/convert/scene_convert.h"
+#include "server/service/penumbra_service.h"
+#include "server/service/unary_call.h"
+
+namespace penumbra {
+
+grpc::ServerUnaryReactor* PenumbraService::CreateScene(Context* context, const Bytes* request,
+                                                       Bytes* response) {
+  return AnswerUnary<v1::CreateSceneRequest>(
+      context, parts_.sessions.limits, request, response,
+      [&](const v1::CreateSceneRequest& message) -> absl::StatusOr<v1::CreateSceneResponse> {
+        const auto info = parts_.sessions.scenes.Create(message.scene_id());
+        if (!info.ok()) return info.status();
+        v1::CreateSceneResponse created;
+        *created.mutable_scene() = ToProto(*info);
+        return created;
+      });
+}
+
+}  // namespace penumbra

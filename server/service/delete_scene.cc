@@ -1,0 +1,18 @@
+#include "server/service/penumbra_service.h"
+#include "server/service/unary_call.h"
+
+namespace penumbra {
+
+grpc::ServerUnaryReactor* PenumbraService::DeleteScene(Context* context, const Bytes* request,
+                                                       Bytes* response) {
+  return AnswerUnary<v1::DeleteSceneRequest>(
+      context, parts_.sessions.limits, request, response,
+      [&](const v1::DeleteSceneRequest& message) -> absl::StatusOr<v1::DeleteSceneResponse> {
+        if (auto status = parts_.sessions.scenes.Delete(message.scene_id()); !status.ok()) {
+          return status;
+        }
+        return v1::DeleteSceneResponse();
+      });
+}
+
+}  // namespace penumbra

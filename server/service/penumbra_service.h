@@ -1,0 +1,66 @@
+// The calls of penumbra.v1.PenumbraService, one file each. They decode, hand over and answer.
+//
+// Requests arrive as bytes, not as messages: they are measured before they are parsed
+// (bounded_parse.h), and what many sessions receive is strung together from shared slices.
+#pragma once
+
+#include <chrono>
+#include <functional>
+
+#include "penumbra/v1/server_info.pb.h"
+#include "penumbra/v1/service.grpc.pb.h"
+#include "render/engine/local_engine.h"
+#include "render/engine/worker_pool.h"
+#include "server/session/session.h"
+#include "server/session/session_table.h"
+
+namespace penumbra {
+
+// What the calls work with. All of it outlives the service.
+struct ServiceParts {
+  SessionServices sessions;
+  SessionTable& session_table;
+  LocalEngine& engine;
+  WorkerPool& blob_workers;  // for blobs that take longer than a gRPC thread should be kept
+  std::function<v1::GlInfo()> gl_info;
+  std::chrono::steady_clock::time_point started;
+};
+
+namespace raw {
+using Base = v1::PenumbraService::Service;
+template <typename T>
+using Scenes = v1::PenumbraService::WithRawCallbackMethod_CreateScene<
+    v1::PenumbraService::WithRawCallbackMethod_ListScenes<
+        v1::PenumbraService::WithRawCallbackMethod_DeleteScene<T>>>;
+template <typename T>
+using Infos = v1::PenumbraService::WithRawCallbackMethod_GetServerInfo<
+    v1::PenumbraService::WithRawCallbackMethod_ListTechniques<T>>;
+template <typename T>
+using Blobs = v1::PenumbraService::WithRawCallbackMethod_FindMissingBlobs<
+    v1::PenumbraService::WithRawCallbackMethod_UploadBlob<
+        v1::PenumbraService::WithRawCallbackMethod_DownloadBlob<T>>>;
+using Service = v1::PenumbraService::WithRawCallbackMethod_Session<Scenes<Infos<Blobs<Base>>>>;
+}  // namespace raw
+
+class PenumbraService final : public raw::Service {
+ public:
+  explicit PenumbraService(const ServiceParts& parts) : parts_(parts) {}
+
+  using Context = grpc::CallbackServerContext;
+  using Bytes = grpc::ByteBuffer;
+
+  grpc::ServerBidiReactor<Bytes, Bytes>* Session(Context* context) override;
+  grpc::ServerUnaryReactor* CreateScene(Context*, const Bytes*, Bytes*) override;
+  grpc::ServerUnaryReactor* ListScenes(Context*, const Bytes*, Bytes*) override;
+  grpc::ServerUnaryReactor* DeleteScene(Context*, const Bytes*, Bytes*) override;
+  grpc::ServerUnaryReactor* GetServerInfo(Context*, const Bytes*, Bytes*) override;
+  grpc::ServerUnaryReactor* ListTechniques(Context*, const Bytes*, Bytes*) override;
+  grpc::ServerUnaryReactor* FindMissingBlobs(Context*, const Bytes*, Bytes*) override;
+  grpc::ServerReadReactor<Bytes>* UploadBlob(Context*, Bytes* response) override;
+  grpc::ServerWriteReactor<Bytes>* DownloadBlob(Context*, const Bytes* request) override;
+
+ private:
+  const ServiceParts parts_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,96 @@
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "proto/convert/status_convert.h"
+#include "server/service/penumbra_service.h"
+
+namespace penumbra {
+namespace {
+
+class SessionReactor;
+
+// Where whoever wakes a session finds its connection, for as long as there is one.
+struct Gate {
+  std::mutex mutex;
+  SessionReactor* reactor = nullptr;
+};
+
+// Carries a session's bytes: one read and one write at a time.
+class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+ public:
+  explicit SessionReactor(const ServiceParts& parts) : gate_(std::make_shared<Gate>()) {
+    gate_->reactor = this;
+    session_ = Session::Create(parts.sessions, [gate = gate_] {
+      std::lock_guard lock(gate->mutex);
+      if (gate->reactor) gate->reactor->Pump();
+    });
+    if (auto status = parts.session_table.Add(session_); !status.ok()) session_->End(status);
+    std::lock_guard lock(gate_->mutex);
+    Pump();
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) return session_->End(absl::OkStatus());
+    session_->OnRequest(request_);
+    std::lock_guard lock(gate_->mutex);
+    is_read_due_ = true;
+    Pump();
+  }
+
+  void OnWriteDone(bool ok) override {
+    if (!ok) session_->End(absl::CancelledError("the connection is gone"));
+    std::lock_guard lock(gate_->mutex);
+    is_writing_ = false;
+    Pump();
+  }
+
+  void OnCancel() override { session_->End(absl::CancelledError("the call was cancelled")); }
+
+  void OnDone() override {
+    {
+      std::lock_guard lock(gate_->mutex);
+      gate_->reactor = nullptr;
+    }
+    session_->Close();
+    delete this;
+  }
+
+ private:
+  // With the gate locked, as for all below.
+  void Pump() {
+    if (!is_writing_ && !is_finished_) WriteNext();
+    if (is_read_due_ && !is_finished_ && session_->has_room()) {
+      is_read_due_ = false;
+      StartRead(&request_);
+    }
+  }
+
+  void WriteNext() {
+    auto output = session_->Next();
+    if (output.message) {
+      is_writing_ = true;
+      response_ = *std::move(output.message);
+      StartWrite(&response_);
+    } else if (output.end) {
+      is_finished_ = true;
+      Finish(ToGrpcStatus(*output.end));
+    }
+  }
+
+  const std::shared_ptr<Gate> gate_;
+  std::shared_ptr<Session> session_;
+  grpc::ByteBuffer request_;
+  grpc::ByteBuffer response_;
+  bool is_writing_ = false;
+  bool is_finished_ = false;
+  bool is_read_due_ = true;
+};
+
+}  // namespace
+
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* PenumbraService::Session(Context*) {
+  return new SessionReactor(parts_);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,108 @@
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "proto/convert/geometry_convert.h"
+#include "proto/convert/status_convert.h"
+#include "render/scene/field_error.h"
+#include "server/service/idle_timer.h"
+#include "server/service/penumbra_service.h"
+#include "server/session/bounded_parse.h"
+#include "server/session/wire_message.h"
+
+namespace penumbra {
+namespace {
+
+// Decoding and hashing more than this takes over a millisecond: too long for a gRPC thread.
+constexpr uint64_t kLongBlobBytes = 512u << 10;
+
+class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
+ public:
+  UploadReactor(const ServiceParts& parts, grpc::CallbackServerContext* context,
+                grpc::ByteBuffer* response)
+      : parts_(parts),
+        response_bytes_(response),
+        timer_(IdleTimer::Start(context, parts.sessions.limits.upload_idle_timeout)) {
+    StartRead(&bytes_);
+  }
+
+  void OnReadDone(bool ok) override {
+    timer_->Touch();
+    if (!ok) return FinishCall();
+    v1::UploadBlobRequest request;
+    absl::Status status = ParseBounded(bytes_, parts_.sessions.limits, request);
+    if (status.ok()) status = Take(request);
+    if (!status.ok()) return Finish(ToGrpcStatus(status));
+    if (!upload_ || !upload_->is_complete()) return StartRead(&bytes_);
+    if (size_ > kLongBlobBytes) {
+      parts_.blob_workers.Post([this] { FinishBlob(); });
+    } else {
+      FinishBlob();
+    }
+  }
+
+  void OnDone() override {
+    timer_->Stop();
+    delete this;
+  }
+
+ private:
+  absl::Status Take(const v1::UploadBlobRequest& request) {
+    if (request.has_header()) {
+      if (upload_) {
+        return FieldError(absl::StatusCode::kInvalidArgument, "LENGTH", "header",
+                          "found a new blob, need the rest of the one before");
+      }
+      const auto hash = HashFromProto(request.header().hash(), "header.hash");
+      if (!hash.ok()) return hash.status();
+      hash_ = *hash;
+      size_ = request.header().size_bytes();
+      auto upload = parts_.sessions.blobs.Begin(hash_, size_);
+      if (!upload.ok()) return upload.status();
+      upload_ = *std::move(upload);
+    }
+    if (!upload_) {
+      return FieldError(absl::StatusCode::kInvalidArgument, "MISSING_FIELD", "header",
+                        "found none, need one before a blob's bytes");
+    }
+    return upload_->Append(request.data());
+  }
+
+  void FinishBlob() {
+    const auto content = upload_->Finish();
+    upload_.reset();
+    if (!content.ok()) return Finish(ToGrpcStatus(content.status()));
+    v1::StoredBlob& stored = *response_.add_blobs();
+    stored.set_hash(ToProto(hash_));
+    stored.set_degenerate_triangle_count(DegenerateTriangleCount(*content));
+    StartRead(&bytes_);
+  }
+
+  void FinishCall() {
+    if (upload_) {
+      return Finish(ToGrpcStatus(FieldError(absl::StatusCode::kInvalidArgument, "LENGTH", "data",
+                                            "found the end of the call, need the blob's rest")));
+    }
+    *response_bytes_ = ToBytes(response_);
+    Finish(grpc::Status::OK);
+  }
+
+  const ServiceParts& parts_;
+  grpc::ByteBuffer* const response_bytes_;
+  const std::shared_ptr<IdleTimer> timer_;
+  grpc::ByteBuffer bytes_;
+  v1::UploadBlobResponse response_;
+  // The blob under way; its reservation ends with it.
+  std::unique_ptr<BlobStore::Upload> upload_;
+  ContentHash hash_;
+  uint64_t size_ = 0;
+};
+
+}  // namespace
+
+grpc::ServerReadReactor<grpc::ByteBuffer>* PenumbraService::UploadBlob(Context* context,
+                                                                       Bytes* response) {
+  return new UploadReactor(parts_, context, response);
+}
+
+}  // namespace penumbra

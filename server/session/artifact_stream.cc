@@ -1,0 +1,72 @@
+#include "server/session/artifact_stream.h"
+
+namespace penumbra {
+
+absl::Status ArtifactStream::Start(Engine& engine, const std::string& scene_id,
+                                   const ArtifactSpec& spec) {
+  auto subscription =
+      engine.Subscribe(scene_id, spec, [weak = weak_from_this()](const ArtifactUpdate& update) {
+        // Held during the call: a listener may drop the last other owner.
+        if (const auto stream = weak.lock()) stream->OnUpdate(update);
+      });
+  if (!subscription.ok()) return subscription.status();
+  subscription_ = *std::move(subscription);
+  return absl::OkStatus();
+}
+
+StreamState ArtifactStream::Latest() const {
+  std::lock_guard lock(mutex_);
+  return state_;
+}
+
+void ArtifactStream::AddListener(std::weak_ptr<StreamListener> listener) {
+  std::lock_guard lock(mutex_);
+  std::erase_if(listeners_, [](const auto& weak) { return weak.expired(); });
+  listeners_.push_back(std::move(listener));
+}
+
+void ArtifactStream::RemoveListener(const StreamListener* listener) {
+  std::lock_guard lock(mutex_);
+  for (auto it = listeners_.begin(); it != listeners_.end(); ++it) {
+    if (it->lock().get() != listener) continue;
+    listeners_.erase(it);
+    return;
+  }
+}
+
+void ArtifactStream::OnUpdate(const ArtifactUpdate& update) {
+  const StreamState before = Latest();
+  auto artifact = before.artifact;
+  if (update.artifact && (!artifact || artifact->artifact != update.artifact)) {
+    const uint64_t sequence = artifact ? artifact->sequence + 1 : 1;
+    artifact = Encode(artifact.get(), update.artifact, sequence, encoder_);
+    ++counters_.artifacts_encoded;
+  }
+  std::vector<std::shared_ptr<StreamListener>> listeners;
+  {
+    std::lock_guard lock(mutex_);
+    state_ = {.number = before.number + 1,
+              .revision = update.revision,
+              .status = update.status,
+              .artifact = std::move(artifact)};
+    for (const auto& weak : listeners_) {
+      if (auto listener = weak.lock()) listeners.push_back(std::move(listener));
+    }
+  }
+  for (const auto& listener : listeners) listener->OnStreamChanged();
+}
+
+absl::StatusOr<std::shared_ptr<ArtifactStream>> StreamTable::Follow(const std::string& scene_id,
+                                                                    uint64_t incarnation,
+                                                                    const ArtifactSpec& spec) {
+  std::lock_guard lock(mutex_);
+  std::erase_if(streams_, [](const auto& entry) { return entry.second.expired(); });
+  auto& slot = streams_[{incarnation, SpecKey(spec)}];
+  if (auto stream = slot.lock()) return stream;
+  auto stream = std::make_shared<ArtifactStream>(counters_);
+  if (auto status = stream->Start(engine_, scene_id, spec); !status.ok()) return status;
+  slot = stream;
+  return stream;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,28 @@
+// Bytes of a client into a message, without letting few bytes become much memory.
+//
+//   v1::SessionRequest request;
+//   if (auto status = ParseBounded(buffer, limits, request); !status.ok()) …
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "absl/status/status.h"
+#include "google/protobuf/message.h"
+#include "grpcpp/support/byte_buffer.h"
+#include "server/limits.h"
+
+namespace penumbra {
+
+// Counts sub-messages, strings, byte fields and unknown fields in `bytes` before anything is
+// allocated for them.
+//
+// Errors  kResourceExhausted QUOTA_MESSAGE_BYTES: longer than limits.max_message_bytes;
+//         kResourceExhausted QUOTA_ELEMENTS: more of them than honest messages of this length have;
+//         kInvalidArgument MALFORMED: not a message of this type, or text that is not UTF-8
+absl::Status ParseBounded(std::span<const uint8_t> bytes, const ServerLimits& limits,
+                          google::protobuf::Message& message);
+absl::Status ParseBounded(const grpc::ByteBuffer& buffer, const ServerLimits& limits,
+                          google::protobuf::Message& message);
+
+}  // namespace penumbra

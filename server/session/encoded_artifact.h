@@ -1,0 +1,38 @@
+// An artifact as bytes, made once for all who receive it.
+//
+//   auto next = Encode(previous.get(), update.artifact, sequence, encoder);
+//   for (const EncodedTile& tile : next->tiles) if (tile.changed_at > acknowledged) …
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "grpcpp/support/slice.h"
+#include "proto/convert/tile_codec.h"
+#include "render/artifact/artifact.h"
+
+namespace penumbra {
+
+// Slices share their bytes; each holds one field of v1::ArtifactUpdate with its tag, so that they
+// can be strung together into a message.
+struct EncodedTile {
+  uint64_t changed_at = 0;  // the sequence number of the artifact that brought the present texels
+  grpc::Slice bytes;
+};
+
+struct EncodedArtifact {
+  std::shared_ptr<const Artifact> artifact;
+  uint64_t sequence = 0;
+  grpc::Slice header;
+  uint64_t light_samples_changed_at = 0;
+  grpc::Slice light_samples;
+  std::vector<EncodedTile> tiles;  // row by row
+};
+
+// Takes over from `previous` (which may be null) what is the same.
+std::shared_ptr<const EncodedArtifact> Encode(const EncodedArtifact* previous,
+                                              std::shared_ptr<const Artifact> artifact,
+                                              uint64_t sequence, TileEncoder& encoder);
+
+}  // namespace penumbra

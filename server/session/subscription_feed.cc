@@ -1,0 +1,106 @@
+#include "server/session/subscription_feed.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "google/protobuf/io/coded_stream.h"
+#include "penumbra/v1/session.pb.h"
+#include "proto/convert/status_convert.h"
+
+namespace penumbra {
+namespace {
+
+// Tag and length of SessionResponse.artifact_update, and what the first fields of an update can
+// take at most, errors apart.
+constexpr size_t kEnvelopeBytes = 64;
+
+// The key of a length-delimited field, and its length.
+std::string FieldPrefix(int field_number, size_t length) {
+  using google::protobuf::io::CodedOutputStream;
+  constexpr int kLengthDelimited = 2;
+  uint8_t bytes[16];
+  uint8_t* end = CodedOutputStream::WriteVarint32ToArray(
+      static_cast<uint32_t>(field_number) << 3 | kLengthDelimited, bytes);
+  end = CodedOutputStream::WriteVarint64ToArray(length, end);
+  return std::string(bytes, end);
+}
+
+}  // namespace
+
+SubscriptionFeed::SubscriptionFeed(uint64_t subscription_id, std::shared_ptr<ArtifactStream> stream,
+                                   uint32_t credit, const ServerLimits& limits)
+    : id_(subscription_id),
+      stream_(std::move(stream)),
+      max_credit_(limits.max_credit),
+      max_message_bytes_(limits.max_message_bytes),
+      credit_(std::min(credit, limits.max_credit)) {}
+
+void SubscriptionFeed::AddCredit(uint32_t updates) {
+  credit_ = static_cast<uint32_t>(std::min<uint64_t>(uint64_t{credit_} + updates, max_credit_));
+}
+
+void SubscriptionFeed::Acknowledge(uint64_t update_sequence) {
+  if (update_sequence <= held_sequence_) acknowledged_ = std::max(acknowledged_, update_sequence);
+}
+
+bool SubscriptionFeed::HasMessage() const {
+  return in_update() || (credit_ > 0 && stream_->Latest().number > sent_number_);
+}
+
+void SubscriptionFeed::BeginUpdate() {
+  sending_ = stream_->Latest();
+  sent_number_ = sending_.number;
+  --credit_;
+  sends_artifact_ =
+      sending_.status.ok() && sending_.artifact && sending_.artifact->sequence != held_sequence_;
+  is_first_message_ = true;
+  base_ = acknowledged_;
+  next_tile_ = 0;
+}
+
+SubscriptionFeed::Message SubscriptionFeed::NextMessage() {
+  if (!in_update()) BeginUpdate();
+  v1::ArtifactUpdate fields;
+  fields.set_subscription_id(id_);
+  std::vector<grpc::Slice> slices(1);  // the first for what is this subscription's own
+  size_t shared_bytes = 0;
+  const auto share = [&](const grpc::Slice& slice) {
+    slices.push_back(slice);
+    shared_bytes += slice.size();
+  };
+  if (std::exchange(is_first_message_, false)) {
+    fields.set_revision(sending_.revision);
+    if (!sending_.status.ok()) *fields.mutable_error() = ToProto(sending_.status);
+    if (sends_artifact_) {
+      fields.set_base_sequence(base_);
+      share(sending_.artifact->header);
+      if (sending_.artifact->light_samples_changed_at > base_) {
+        share(sending_.artifact->light_samples);
+      }
+    }
+  }
+  bool is_last = true;
+  if (sends_artifact_) {
+    const auto& tiles = sending_.artifact->tiles;
+    for (; next_tile_ < tiles.size(); ++next_tile_) {
+      const EncodedTile& tile = tiles[next_tile_];
+      if (tile.changed_at <= base_) continue;
+      if (shared_bytes + tile.bytes.size() + kEnvelopeBytes > max_message_bytes_) break;
+      share(tile.bytes);
+    }
+    is_last = next_tile_ == tiles.size();
+    if (is_last) held_sequence_ = sending_.artifact->sequence;
+  }
+  fields.set_update_sequence(sends_artifact_ ? sending_.artifact->sequence : held_sequence_);
+  fields.set_end_of_update(is_last);
+  const std::string own = fields.SerializeAsString();
+  slices[0] = grpc::Slice(
+      FieldPrefix(v1::SessionResponse::kArtifactUpdateFieldNumber, own.size() + shared_bytes) +
+      own);
+  if (is_last) sending_ = {};
+  return {grpc::ByteBuffer(slices.data(), slices.size()), is_last};
+}
+
+}  // namespace penumbra

@@ -1,0 +1,61 @@
+// One subscription of one session: which update is due, and its messages.
+//
+// It keeps no queue. What is due is found by comparing the stream's newest state with what was sent
+// last, so a client that is slow, or has given no credit, skips what came in between and then gets
+// the newest; it holds on to one artifact at most.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "grpcpp/support/byte_buffer.h"
+#include "server/limits.h"
+#include "server/session/artifact_stream.h"
+
+namespace penumbra {
+
+class SubscriptionFeed {
+ public:
+  SubscriptionFeed(uint64_t subscription_id, std::shared_ptr<ArtifactStream> stream,
+                   uint32_t credit, const ServerLimits& limits);
+
+  uint64_t id() const { return id_; }
+  ArtifactStream& stream() { return *stream_; }
+
+  void AddCredit(uint32_t updates);
+  // What the client holds whole. Numbers that were never sent are ignored.
+  void Acknowledge(uint64_t update_sequence);
+
+  // Whether an update is under way, of which the next message can follow.
+  bool in_update() const { return sending_.number != 0; }
+  // Whether there is a message to send now.
+  bool HasMessage() const;
+
+  struct Message {
+    grpc::ByteBuffer bytes;  // a v1::SessionResponse
+    bool ends_update = false;
+  };
+  // Only where HasMessage().
+  Message NextMessage();
+
+ private:
+  void BeginUpdate();
+
+  const uint64_t id_;
+  const std::shared_ptr<ArtifactStream> stream_;
+  const uint32_t max_credit_;
+  const size_t max_message_bytes_;
+  uint32_t credit_;
+  uint64_t sent_number_ = 0;    // StreamState::number of the update last begun
+  uint64_t held_sequence_ = 0;  // of the artifact last sent whole; the client holds it or soon will
+  uint64_t acknowledged_ = 0;   // of the newest artifact that the client says it holds
+
+  // The update under way; its number is 0 where there is none.
+  StreamState sending_;
+  bool sends_artifact_ = false;
+  bool is_first_message_ = false;
+  uint64_t base_ = 0;
+  size_t next_tile_ = 0;
+};
+
+}  // namespace penumbra

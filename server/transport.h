@@ -1,0 +1,16 @@
+// How the server's gRPC is set up: sizes, timeouts and what is switched off.
+#pragma once
+
+#include "grpcpp/server_builder.h"
+#include "server/limits.h"
+
+namespace penumbra {
+
+// Call before any ServerBuilder is made: switches the health service on.
+void PrepareTransport();
+
+// Applies `limits`; `with_reflection` lets clients ask for the service's description.
+void ConfigureTransport(const ServerLimits& limits, bool with_reflection,
+                        grpc::ServerBuilder& builder);
+
+}  // namespace penumbra
