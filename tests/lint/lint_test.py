@@ -8,6 +8,7 @@ import shutil
 import tempfile
 import unittest
 
+import check_docs
 import check_format
 import check_layers
 import check_readme
@@ -160,6 +161,49 @@ class FormatTest(TreeTest):
         self.add("render/math/box.cc", "int  x ;\n")
         self.assert_finds(check_format.check(self.root),
                           "render/math/box.cc:2: not as clang-format writes it")
+
+
+class DocsTest(TreeTest):
+    PAGE = "## Of a scene\n\n| `max_lights` | {lights} |\n\n## Of a server\n\n{server}\n"
+
+    def setUp(self):
+        super().setUp()
+        self.write("render/scene/scene_limits.h", "  uint64_t max_lights = 1'024;\n")
+        self.write("server/limits.h", "  uint64_t max_blob_bytes = uint64_t{1} << 30;\n")
+        self.write("proto/penumbra/v1/server_info.proto",
+                   "uint32 max_lights = 4;\nuint64 max_blob_bytes = 15;\n")
+        self.write("docs/adr/README.md", "[0001](0001-a.md)\n")
+        self.write("docs/adr/0001-a.md", "# 0001\n")
+        self.page(1024, "| `max_blob_bytes` | 1073741824 |")
+
+    def page(self, lights, server):
+        self.write("docs/limits.md", self.PAGE.format(lights=lights, server=server))
+
+    def found(self):
+        return check_docs.check(self.root)
+
+    def test_clean_tree(self):
+        self.assertEqual(self.found(), [])
+
+    def test_limit_that_differs(self):
+        self.page(1025, "| `max_blob_bytes` | 1073741824 |")
+        self.assert_finds(self.found(), "max_lights is 1025, render/scene/scene_limits.h has 1024")
+
+    def test_limit_that_is_missing(self):
+        self.page(1024, "")
+        self.assert_finds(self.found(), "max_blob_bytes, which the server reports, is missing")
+
+    def test_limit_that_is_invented(self):
+        self.page(1024, "| `max_blob_bytes` | 1073741824 |\n| `max_moons` | 1 |")
+        self.assert_finds(self.found(), "max_moons is not in server/limits.h")
+
+    def test_broken_link(self):
+        self.write("docs/page.md", "See [there](there.md).\n")
+        self.assert_finds(self.found(), "docs/page.md: links to there.md")
+
+    def test_record_that_is_not_listed(self):
+        self.write("docs/adr/0002-b.md", "# 0002\n")
+        self.assert_finds(self.found(), "0002-b.md is missing")
 
 
 class ReadmeTest(TreeTest):
