@@ -1,0 +1,150 @@
+// soft_texture against Embree: the same light samples seen from the same texels on as many threads.
+//
+// Ours is a whole Compute(): preparing the occluders, drawing, counting, making the artifact. Embree's is tracing alone,
+// in its fastest form for these rays, its hierarchy built beforehand: what a ray tracer has to pay for an edit is
+// left out in its favour.
+
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <random>
+
+#include "client/import/import_scene.h"
+#include "render/reference/ray_visibility.h"
+#include "render/technique/soft_texture/coverage_kernel.h"
+#include "render/technique/technique.h"
+#include "tests/bench/bench.h"
+#include "tests/support/shapes.h"
+
+namespace penumbra::bench {
+namespace {
+
+constexpr uint32_t kTexels = 256;
+constexpr uint32_t kSamples = 64;
+constexpr float kFloorSide = 10;
+
+SceneDelta Studio() {
+  SceneDelta delta;
+  delta.upsert_receivers = {testing::FloorReceiver("floor", kFloorSide, kTexels)};
+  delta.upsert_lights = {{.id = "lamp",
+                          .shape = RectangleLight{.corner = Vec3(-1, 8, -1),
+                                                  .edge_u = Vec3(2, 0, 0),
+                                                  .edge_v = Vec3(0, 0, 2)}}};
+  return delta;
+}
+
+// Boxes of 0.1 to 0.5 m, turned every way, anywhere between floor and lamp.
+SceneDelta Boxes(int count) {
+  SceneDelta delta = Studio();
+  std::mt19937 random(1997);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  const auto box = testing::MeshOf(testing::UnitBoxGeometry());
+  for (int i = 0; i < count; ++i) {
+    const auto angle = [&] { return 2 * std::numbers::pi_v<float> * uniform(random); };
+    const float a = angle(), b = angle(), size = 0.05f + 0.2f * uniform(random);
+    const Vec3 x(std::cos(a), 0, std::sin(a));
+    const Vec3 y = std::cos(b) * Vec3(0, 1, 0) + std::sin(b) * glm::cross(x, Vec3(0, 1, 0));
+    const Vec3 place((uniform(random) - 0.5f) * kFloorSide, 0.3f + 5 * uniform(random),
+                     (uniform(random) - 0.5f) * kFloorSide);
+    delta.upsert_instances.push_back(
+        {.id = "box" + std::to_string(i),
+         .mesh = box,
+         .world_from_mesh = Affine(size * x, size * y, size * glm::cross(x, y), place)});
+  }
+  return delta;
+}
+
+// A torus with ripples: 200,000 triangles, closed.
+MeshGeometry RippledTorus() {
+  constexpr uint32_t kAround = 500, kAcross = 200;
+  MeshGeometry torus;
+  for (uint32_t i = 0; i < kAround; ++i) {
+    for (uint32_t j = 0; j < kAcross; ++j) {
+      const float u = 2 * std::numbers::pi_v<float> * i / kAround;
+      const float v = 2 * std::numbers::pi_v<float> * j / kAcross;
+      const float r = 0.3f + 0.03f * std::sin(17 * u) * std::cos(9 * v);
+      torus.positions.emplace_back((1 + r * std::cos(v)) * std::cos(u), r * std::sin(v),
+                                   (1 + r * std::cos(v)) * std::sin(u));
+      const uint32_t a = i * kAcross + j, b = i * kAcross + (j + 1) % kAcross;
+      const uint32_t c = (i + 1) % kAround * kAcross + j;
+      const uint32_t d = (i + 1) % kAround * kAcross + (j + 1) % kAcross;
+      torus.indices.insert(torus.indices.end(), {a, b, c, b, d, c});
+    }
+  }
+  return torus;
+}
+
+// The mesh of `ply`, or the torus, at the middle of the floor and 4 m wide.
+SceneDelta Dragon(const std::string& ply) {
+  SceneDelta delta = Studio();
+  if (ply.empty()) {
+    delta.upsert_instances = {{.id = "torus", .mesh = testing::MeshOf(RippledTorus())}};
+  } else {
+    auto imported = ImportScene(ply);
+    if (!imported.ok()) {
+      std::fprintf(stderr, "penumbra_bench: --ply: %s\n",
+                   std::string(imported.status().message()).c_str());
+      std::exit(1);
+    }
+    delta.upsert_instances = std::move(imported->instances);
+  }
+  Aabb bounds;
+  for (const Instance& instance : delta.upsert_instances) bounds.Add(WorldBounds(instance));
+  const float scale = 4 / std::max(bounds.extent().x, bounds.extent().z);
+  for (Instance& instance : delta.upsert_instances) {
+    instance.world_from_mesh =
+        testing::Placed(Vec3(0, 0.5f - scale * bounds.min.y, 0) -
+                            scale * Vec3(bounds.center().x, 0, bounds.center().z), scale);
+  }
+  return delta;
+}
+
+// One case: both sides' medians, their ratio, and the share of texel-samples on which they disagree.
+std::vector<Row> RunCase(const std::string& name, const SceneDelta& delta,
+                         const BenchOptions& options) {
+  const auto scene = Scene::Empty("bench")->Apply(delta).value();
+  const ArtifactSpec spec{SoftTextureParams{.samples = kSamples}, "lamp", "floor"};
+  tbb::task_arena arena(options.threads);
+  const ComputeContext context{.arena = arena, .gl = nullptr, .stop = {}, .progress = {}, .now_ms = {}};
+  const Technique& technique = TechniqueFor(spec.params);
+  const Artifact artifact = technique.Compute(*scene, spec, context).value();
+  const auto& texture = std::get<SoftShadowTexture>(artifact.payload);
+  const double offset = std::atof(artifact.header.parameters.at("surface_offset_m").c_str());
+
+  const RayVisibility rays(*scene, RayVisibility::Intersector::kFast);
+  VisibilityMap traced;
+  const Duel duel = Interleave(
+      options.min_seconds, [&] { (void)technique.Compute(*scene, spec, context); },
+      [&] {
+        traced = rays.Counts(texture.receiver, artifact.header.light_samples, offset, arena);
+      });
+  double differing = 0;
+  for (size_t i = 0; i < traced.counts.size(); ++i) {
+    differing += std::abs(traced.counts[i] - texture.visibility.counts[i]);
+  }
+  const double texel_samples = static_cast<double>(traced.counts.size()) * kSamples;
+  const std::string prefix = "soft_texture." + name + ".";
+  return {{prefix + "triangles", static_cast<double>(rays.triangle_count()), "1"},
+          {prefix + "median", duel.OursMs(), "ms"},
+          {prefix + "texel_samples_per_s", texel_samples / duel.OursMs() * 1e3, "1/s"},
+          {prefix + "embree_median", duel.PeersMs(), "ms"},
+          {prefix + "embree_rays_per_s", texel_samples / duel.PeersMs() * 1e3, "1/s"},
+          {prefix + "speedup_vs_embree", duel.Speedup(), "x"},
+          {prefix + "differing_fraction", differing / texel_samples, "1"}};
+}
+
+}  // namespace
+
+std::vector<Row> SoftTextureSuite(const BenchOptions& options) {
+  std::fprintf(stderr, "soft_texture: kernels for %s, %d threads\n", KernelTargetName(),
+               options.threads);
+  std::vector<Row> rows;
+  for (const auto& [name, delta] : {std::pair{"herf256", Boxes(84)}, std::pair{"boxes1000", Boxes(1000)},
+                                    std::pair{"dragon", Dragon(options.ply)}}) {
+    std::vector<Row> more = RunCase(name, delta, options);
+    rows.insert(rows.end(), more.begin(), more.end());
+  }
+  return rows;
+}
+
+}  // namespace penumbra::bench
