@@ -24,8 +24,8 @@ struct NamedPlane {
   std::span<const float> values;
 };
 
-// All that write: kPermissionDenied, kNotFound (no such folder) or kUnknown with the path and why;
-// a file that could not be written whole is removed. kInvalidArgument: sizes that do not agree.
+// All that write: kUnavailable, with the path and why: cannot be written, and nothing is left
+// behind; kInvalidArgument: sizes that do not agree.
 
 // H×W×3 bytes in sRGB.
 absl::Status WritePng(const std::filesystem::path& path, int width, int height,

@@ -92,6 +92,9 @@ int Program::Location(Context& context, const char* uniform) const {
 void Program::Set(Context& context, const char* uniform, int value) {
   glProgramUniform1i(name(), Location(context, uniform), value);
 }
+void Program::Set(Context& context, const char* uniform, uint32_t value) {
+  glProgramUniform1ui(name(), Location(context, uniform), value);
+}
 void Program::Set(Context& context, const char* uniform, float value) {
   glProgramUniform1f(name(), Location(context, uniform), value);
 }

@@ -19,10 +19,10 @@ namespace penumbra::gl {
 // The stages' texts, without a #version line; either `compute` or the other two. `constants` is put
 // before each: GLSL constants written by C++ (see GlslConstant).
 struct ProgramSource {
-  std::string vertex;
-  std::string fragment;
-  std::string compute;
-  std::string constants;
+  std::string vertex{};
+  std::string fragment{};
+  std::string compute{};
+  std::string constants{};
 };
 
 // "const float kName = 0.5;\n", so that a number lives in C++ alone.
@@ -38,6 +38,7 @@ class Program {
 
   // Names that the program does not use are ignored, as GL does.
   void Set(Context& context, const char* uniform, int value);
+  void Set(Context& context, const char* uniform, uint32_t value);
   void Set(Context& context, const char* uniform, float value);
   void Set(Context& context, const char* uniform, Vec2 value);
   void Set(Context& context, const char* uniform, Vec3 value);

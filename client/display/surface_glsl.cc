@@ -1,0 +1,152 @@
+#include "client/display/surface_glsl.h"
+
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/substitute.h"
+#include "client/display/form_factor_glsl.h"
+#include "client/display/visibility_glsl.h"
+
+namespace penumbra {
+namespace {
+
+// Positions are interpolated inside the face even where a pixel's centre lies outside: at the
+// border of a receiver the point must not fall off its edge.
+constexpr char kVertexGlsl[] = R"glsl(
+layout(location = 0) in vec3 position_mesh;
+layout(location = 1) in vec3 normal_mesh;
+layout(location = 2) in vec2 uv_mesh;
+uniform mat4 clip_from_mesh;
+uniform mat4 world_from_mesh;
+uniform mat4 world_from_mesh_normal;
+uniform float depth_scale;  // above 1 brings the surface nearer in depth, not in place
+centroid out vec3 position;
+centroid out vec3 vertex_normal;
+centroid out vec2 uv;
+
+void main() {
+  position = (world_from_mesh * vec4(position_mesh, 1.0)).xyz;
+  vertex_normal = mat3(world_from_mesh_normal) * normal_mesh;
+  uv = uv_mesh;
+  gl_Position = clip_from_mesh * vec4(position_mesh, 1.0);
+  gl_Position.z *= depth_scale;
+}
+)glsl";
+
+// What both fragment shaders know of the face they are on.
+constexpr char kFaceGlsl[] = R"glsl(
+layout(std430, binding = $0) readonly buffer FaceNormals { float face_normals[]; };
+uniform mat4 world_from_mesh_normal;
+uniform bool has_face_normals;
+uniform vec3 eye;
+centroid in vec3 position;
+centroid in vec3 vertex_normal;
+centroid in vec2 uv;
+layout(location = 0) out vec4 pixel;
+
+// Of the side that the triangle's winding makes its front.
+vec3 FaceNormal() {
+  if (!has_face_normals) return normalize(cross(dFdx(position), dFdy(position)));
+  int first = 3 * gl_PrimitiveID;
+  vec3 n = vec3(face_normals[first], face_normals[first + 1], face_normals[first + 2]);
+  return normalize(mat3(world_from_mesh_normal) * n);
+}
+)glsl";
+
+constexpr char kSurfaceGlsl[] = R"glsl(
+layout(std430, binding = $0) readonly buffer Lights { Light lights[]; };
+layout(std430, binding = $1) readonly buffer Receivers { Receiver receivers[]; };
+layout(std430, binding = $2) readonly buffer Candidates { uvec2 candidates[]; };  // light, receiver
+layout(binding = $3) uniform sampler2D mask;
+uniform bool has_mask;
+uniform float alpha_cutoff;
+uniform vec3 color;
+uniform vec3 ambient;
+uniform float clip_radiance;
+uniform bool culls_back_faces;
+uniform bool has_vertex_normals;
+uniform int light_count;
+uniform uint first_candidate;
+uniform uint end_candidate;
+
+// The opacity of the texel that holds uv: nearest, repeating.
+float Opacity() {
+  ivec2 size = textureSize(mask, 0);
+  ivec2 texel = ivec2((uv - floor(uv)) * vec2(size));
+  return texelFetch(mask, min(texel, size - 1), 0).r;
+}
+
+// Whether this point lies on the receiver, and then what share of the light it gets.
+bool LookUp(uint code, vec3 face_normal, vec3 n, out float share) {
+  Receiver receiver = receivers[code & ~$4u];
+  vec2 at = UvOnReceiver(receiver, position);
+  if ((code & $4u) == 0u) {
+    float height = dot(receiver.normal.xyz, position - receiver.origin.xyz);
+    const float rim = 1e-4;  // of the receiver's edge, for rounding
+    bool is_on = abs(height) <= receiver.origin.w && abs(dot(face_normal, receiver.normal.xyz)) > 0.999 &&
+                 all(greaterThanEqual(at, vec2(-rim))) && all(lessThanEqual(at, vec2(1.0 + rim)));
+    if (!is_on) return false;
+  }
+  bool from_behind = dot(n, receiver.normal.xyz) < 0.0;
+  share = from_behind && receiver.normal.w == 0.0 ? 0.0 : SmoothVisibility(receiver, at);
+  return true;
+}
+
+vec3 Shade(vec3 face_normal, vec3 n) {
+  vec3 sum = ambient;
+  uint next = first_candidate;
+  for (int i = 0; i < light_count; ++i) {
+    float share = 1.0;
+    bool is_found = false;
+    for (; next < end_candidate && candidates[next].x == uint(i); ++next) {
+      if (!is_found) is_found = LookUp(candidates[next].y, face_normal, n, share);
+    }
+    if (share > 0.0) sum += share * UnoccludedRadiance(lights[i], position, n);
+  }
+  return color * sum;
+}
+
+void main() {
+  if (has_mask && Opacity() < alpha_cutoff) discard;
+  vec3 face_normal = FaceNormal();
+  bool from_behind = dot(face_normal, eye - position) < 0.0;
+  if (from_behind && culls_back_faces) discard;
+  if (from_behind) face_normal = -face_normal;
+  vec3 n = face_normal;
+  if (has_vertex_normals && dot(vertex_normal, vertex_normal) > 0.0) {
+    n = normalize(vertex_normal);
+    if (dot(n, face_normal) < 0.0) n = -n;
+  }
+  pixel = vec4(min(Shade(face_normal, n), vec3(clip_radiance)), 1.0);
+}
+)glsl";
+
+constexpr char kGlowGlsl[] = R"glsl(
+uniform vec3 radiance;
+uniform float clip_radiance;
+uniform bool two_sided;
+
+void main() {
+  // From behind a light that shines one way one looks past it.
+  if (!two_sided && dot(FaceNormal(), eye - position) < 0.0) discard;
+  pixel = vec4(min(radiance, vec3(clip_radiance)), 1.0);
+}
+)glsl";
+
+std::string FaceGlsl() { return absl::Substitute(kFaceGlsl, kFaceNormalsBinding); }
+
+}  // namespace
+
+gl::ProgramSource SurfaceProgram() {
+  return {
+      .vertex = kVertexGlsl,
+      .fragment = absl::StrCat(FormFactorGlsl(), VisibilityGlsl(kCountsBinding), FaceGlsl(),
+                               absl::Substitute(kSurfaceGlsl, kLightsBinding, kReceiversBinding,
+                                                kCandidatesBinding, kMaskUnit, kIsTheReceiver))};
+}
+
+gl::ProgramSource GlowProgram() {
+  return {.vertex = kVertexGlsl, .fragment = absl::StrCat(FaceGlsl(), kGlowGlsl)};
+}
+
+}  // namespace penumbra

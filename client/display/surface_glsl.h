@@ -1,0 +1,23 @@
+// The shaders of the thin renderer: what faces look like, and what glows.
+#pragma once
+
+#include "render/gl/program.h"
+
+namespace penumbra {
+
+// Storage blocks of the surface program.
+inline constexpr int kLightsBinding = 0;
+inline constexpr int kReceiversBinding = 1;
+inline constexpr int kCountsBinding = 2;
+inline constexpr int kCandidatesBinding = 3;
+inline constexpr int kFaceNormalsBinding = 4;
+// Texture unit of the alpha mask.
+inline constexpr int kMaskUnit = 0;
+
+// Set in a candidate's receiver index when the surface is the receiver, whatever its place says.
+inline constexpr uint32_t kIsTheReceiver = 0x80000000u;
+
+gl::ProgramSource SurfaceProgram();
+gl::ProgramSource GlowProgram();
+
+}  // namespace penumbra
