@@ -26,7 +26,7 @@ constexpr NamedSuite kSuites[] = {{"soft_texture", SoftTextureSuite}, {"service"
 
 void Print(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
-    std::printf("%-58s %14.4f %s\n", row.metric.c_str(), row.value, row.unit.c_str());
+    std::printf("%-52s %14.6g %s\n", row.metric.c_str(), row.value, row.unit.c_str());
   }
 }
 
