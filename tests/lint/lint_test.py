@@ -3,6 +3,7 @@
     python3 tests/lint/lint_test.py
 """
 
+import json
 import pathlib
 import shutil
 import tempfile
@@ -13,6 +14,7 @@ import check_format
 import check_layers
 import check_readme
 import check_style
+import check_techniques
 
 LIBRARY = "penumbra_library({name} SOURCES {source} LINKS {links})\n"
 MATH_H = "// A box.\n#pragma once\n\n#include <glm/glm.hpp>\n"
@@ -204,6 +206,36 @@ class DocsTest(TreeTest):
     def test_record_that_is_not_listed(self):
         self.write("docs/adr/0002-b.md", "# 0002\n")
         self.assert_finds(self.found(), "0002-b.md is missing")
+
+
+class TechniquesTest(TreeTest):
+    ROW = "| `samples` | uint | 64 | 1 to 1024 | how many |\n"
+
+    def setUp(self):
+        super().setUp()
+        told = {"techniques": [{"name": "soft", "parameters": [
+            {"name": "samples", "type": "uint", "default_value": "64", "range": "1 to 1024"}]}]}
+        self.write("penumbra", f"#!/bin/sh\ncat <<'END'\n{json.dumps(told)}\nEND\n")
+        (self.root / "penumbra").chmod(0o755)
+
+    def found(self, table):
+        self.write("docs/techniques/soft.md", f"# soft\n\n## Parameters\n\n{table}\n## More\n")
+        return check_techniques.check(self.root, self.root / "penumbra")
+
+    def test_clean_tree(self):
+        self.assertEqual(self.found(self.ROW), [])
+
+    def test_default_that_differs(self):
+        self.assert_finds(self.found(self.ROW.replace("64", "63")), "samples is uint | 63")
+
+    def test_parameter_that_is_missing_or_invented(self):
+        self.assert_finds(self.found(""), "parameter samples is missing")
+        self.assert_finds(self.found(self.ROW + "| `moons` | uint | 1 | any |\n"),
+                          "moons is no parameter of soft")
+
+    def test_page_of_no_technique(self):
+        self.write("docs/techniques/hard.md", "# hard\n")
+        self.assert_finds(self.found(self.ROW), "hard.md: the program has no technique")
 
 
 class ReadmeTest(TreeTest):
