@@ -1,0 +1,118 @@
+#include "client/session/remote_engine.h"
+
+#include <utility>
+
+#include "client/session/scene_session.h"
+#include "client/session/server_connection.h"
+#include "google/protobuf/util/json_util.h"
+#include "proto/convert/scene_convert.h"
+#include "render/scene/field_error.h"
+
+namespace penumbra {
+namespace {
+
+std::string ToJson(const google::protobuf::Message& message) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  std::string json;
+  const auto status = google::protobuf::util::MessageToJsonString(message, &json, options);
+  return status.ok() ? json : "{}";
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<RemoteEngine>> RemoteEngine::Connect(RemoteEngineOptions options) {
+  auto connection = ServerConnection::Open(std::move(options));
+  if (!connection.ok()) return connection.status();
+  return std::unique_ptr<RemoteEngine>(new RemoteEngine(*std::move(connection)));
+}
+
+RemoteEngine::RemoteEngine(std::unique_ptr<ServerConnection> connection)
+    : connection_(std::move(connection)) {}
+
+RemoteEngine::~RemoteEngine() = default;
+
+absl::Status RemoteEngine::CreateScene(const std::string& scene_id) {
+  v1::CreateSceneRequest request;
+  request.set_scene_id(scene_id);
+  v1::CreateSceneResponse response;
+  return connection_->Call(&v1::PenumbraService::Stub::CreateScene, request, &response);
+}
+
+absl::Status RemoteEngine::DeleteScene(const std::string& scene_id) {
+  v1::DeleteSceneRequest request;
+  request.set_scene_id(scene_id);
+  v1::DeleteSceneResponse response;
+  const absl::Status status =
+      connection_->Call(&v1::PenumbraService::Stub::DeleteScene, request, &response);
+  if (!status.ok()) return status;
+  connection_->EndSession(
+      scene_id, FieldError(absl::StatusCode::kNotFound, "UNKNOWN_SCENE", "scene_id",
+                           "found \"" + scene_id + "\", which was deleted, need a scene's id"));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<SceneInfo>> RemoteEngine::ListScenes() {
+  v1::ListScenesResponse response;
+  const absl::Status status =
+      connection_->Call(&v1::PenumbraService::Stub::ListScenes, v1::ListScenesRequest(), &response);
+  if (!status.ok()) return status;
+  std::vector<SceneInfo> infos;
+  for (const v1::SceneInfo& proto : response.scenes()) {
+    auto info = FromProto(proto);
+    if (!info.ok()) return info.status();
+    infos.push_back(*std::move(info));
+  }
+  return infos;
+}
+
+absl::StatusOr<Revision> RemoteEngine::Commit(const std::string& scene_id,
+                                              const SceneDelta& delta) {
+  const auto session = connection_->SessionOf(scene_id);
+  if (!session.ok()) return session.status();
+  return (*session)->Commit(delta);
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> RemoteEngine::Snapshot(const std::string& scene_id) {
+  const auto session = connection_->SessionOf(scene_id);
+  if (!session.ok()) return session.status();
+  return (*session)->Snapshot();
+}
+
+absl::StatusOr<std::unique_ptr<Subscription>> RemoteEngine::Subscribe(const std::string& scene_id,
+                                                                      const ArtifactSpec& spec,
+                                                                      ArtifactCallback callback) {
+  return SubscribeMeasured(
+      scene_id, spec,
+      [callback = std::move(callback)](const ArtifactUpdate& update, const UpdateTraffic&) {
+        callback(update);
+      });
+}
+
+absl::StatusOr<std::unique_ptr<Subscription>> RemoteEngine::SubscribeMeasured(
+    const std::string& scene_id, const ArtifactSpec& spec, MeasuredCallback callback) {
+  const auto session = connection_->SessionOf(scene_id);
+  if (!session.ok()) return session.status();
+  return (*session)->Subscribe(spec, std::move(callback));
+}
+
+absl::StatusOr<std::string> RemoteEngine::ServerInfoJson() {
+  v1::GetServerInfoResponse response;
+  const absl::Status status = connection_->Call(&v1::PenumbraService::Stub::GetServerInfo,
+                                                v1::GetServerInfoRequest(), &response);
+  if (!status.ok()) return status;
+  return ToJson(response);
+}
+
+absl::StatusOr<std::string> RemoteEngine::TechniquesJson() {
+  v1::ListTechniquesResponse response;
+  const absl::Status status = connection_->Call(&v1::PenumbraService::Stub::ListTechniques,
+                                                v1::ListTechniquesRequest(), &response);
+  if (!status.ok()) return status;
+  return ToJson(response);
+}
+
+UploadTraffic RemoteEngine::upload_traffic() const { return connection_->blobs().traffic(); }
+
+}  // namespace penumbra

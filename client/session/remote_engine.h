@@ -1,0 +1,77 @@
+// Computes on a server.
+//
+//   auto engine = RemoteEngine::Connect({.address = "localhost:7447"});
+//   if (!engine.ok()) return engine.status();  // "localhost:7447: no server answers: …"
+//   (*engine)->Commit("studio", delta);         // the same interface as LocalEngine
+//
+// Each scene in use has one Session stream, a mirror of its content, and a few threads that take
+// turns to read the stream: whoever has read an update hands the reading on and runs the callback,
+// so that no hop lies between the wire and the callback, and no slow callback keeps commits or
+// other subscriptions waiting. A callback slower than the updates misses those in between.
+//
+// When the server goes away, everything under way ends with kUnavailable. Later calls connect anew.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/session/traffic.h"
+#include "render/engine/engine.h"
+
+namespace penumbra {
+
+class ServerConnection;
+
+struct RemoteEngineOptions {
+  std::string address;                   // "host:port"
+  std::string client_name = "penumbra";  // for the server's log
+  double connect_timeout_s = 5.0;
+  // For the answer to anything but an artifact. A large upload has as long for each 16 MiB.
+  double call_timeout_s = 30.0;
+  // Told while meshes are being uploaded, on the thread that commits; may be null.
+  std::function<void(uint64_t sent_bytes, uint64_t total_bytes)> upload_progress = nullptr;
+};
+
+class RemoteEngine : public Engine {
+ public:
+  // Errors  kUnavailable: no server at that address, or none that answers in time
+  static absl::StatusOr<std::unique_ptr<RemoteEngine>> Connect(RemoteEngineOptions options);
+
+  // Ends all sessions and waits for the callbacks that run. Subscriptions may be destroyed before
+  // or after.
+  ~RemoteEngine() override;
+
+  absl::Status CreateScene(const std::string& scene_id) override;
+  absl::Status DeleteScene(const std::string& scene_id) override;
+  absl::StatusOr<std::vector<SceneInfo>> ListScenes() override;
+  // Uploads what the server lacks of the delta's meshes and masks, then commits.
+  absl::StatusOr<Revision> Commit(const std::string& scene_id, const SceneDelta& delta) override;
+  // Fetches the meshes that other clients have brought in, where the mirror has not seen them.
+  absl::StatusOr<std::shared_ptr<const Scene>> Snapshot(const std::string& scene_id) override;
+  absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& scene_id,
+                                                          const ArtifactSpec& spec,
+                                                          ArtifactCallback callback) override;
+
+  // The same, with what each update took on the wire.
+  using MeasuredCallback = std::function<void(const ArtifactUpdate&, const UpdateTraffic&)>;
+  absl::StatusOr<std::unique_ptr<Subscription>> SubscribeMeasured(const std::string& scene_id,
+                                                                  const ArtifactSpec& spec,
+                                                                  MeasuredCallback callback);
+
+  // What the server says of itself and of its techniques: GetServerInfoResponse and
+  // ListTechniquesResponse in protobuf's JSON, with the fields named as in the protocol.
+  absl::StatusOr<std::string> ServerInfoJson();
+  absl::StatusOr<std::string> TechniquesJson();
+
+  UploadTraffic upload_traffic() const;
+
+ private:
+  explicit RemoteEngine(std::unique_ptr<ServerConnection> connection);
+
+  const std::unique_ptr<ServerConnection> connection_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,209 @@
+#include "client/session/scene_session.h"
+
+#include <chrono>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/session/blob_transfer.h"
+#include "client/session/server_connection.h"
+#include "client/session/steady_clock.h"
+#include "proto/convert/scene_convert.h"
+#include "proto/convert/spec_convert.h"
+#include "proto/convert/status_convert.h"
+#include "render/scene/field_error.h"
+
+namespace penumbra {
+namespace {
+
+constexpr uint32_t kProtocolVersion = 1;
+
+// Updates under way at a time: enough that none waits for a round trip, few enough that a slow
+// callback soon makes the server skip.
+constexpr uint32_t kInitialCredit = 4;
+
+// Ends the subscription with its handle, whether or not the engine is still there.
+class RemoteSubscription : public Subscription {
+ public:
+  RemoteSubscription(std::shared_ptr<SceneSession> session,
+                     std::shared_ptr<RemoteSubscriber> subscriber)
+      : session_(std::move(session)), subscriber_(std::move(subscriber)) {}
+  ~RemoteSubscription() override { session_->Unsubscribe(*subscriber_); }
+
+ private:
+  const std::shared_ptr<SceneSession> session_;
+  const std::shared_ptr<RemoteSubscriber> subscriber_;
+};
+
+}  // namespace
+
+SceneSession::SceneSession(ServerConnection& connection, const std::string& scene_id)
+    : connection_(connection),
+      address_(connection.options().address),
+      scene_id_(scene_id),
+      mirror_(scene_id, connection.blobs()),
+      turns_([this] { return ReadOne(); }) {}
+
+SceneSession::~SceneSession() {
+  End(absl::CancelledError("the session was closed"));
+  Join();
+}
+
+absl::StatusOr<std::shared_ptr<SceneSession>> SceneSession::Open(ServerConnection& connection,
+                                                                 const std::string& scene_id) {
+  std::shared_ptr<SceneSession> session(new SceneSession(connection, scene_id));
+  if (absl::Status status = session->Greet(); !status.ok()) return status;
+  return session;
+}
+
+absl::Status SceneSession::Greet() {
+  // The hello travels with the call's headers.
+  context_.set_initial_metadata_corked(true);
+  stream_ = connection_.stub().Session(&context_);
+  v1::SessionRequest request;
+  request.mutable_hello()->add_protocol_versions(kProtocolVersion);
+  request.mutable_hello()->set_scene_id(scene_id_);
+  request.mutable_hello()->set_mirror_scene(true);
+  request.mutable_hello()->set_client_name(connection_.options().client_name);
+  Send(request);
+  turns_.Start();
+
+  std::unique_lock lock(mutex_);
+  const std::chrono::duration<double> timeout(connection_.options().connect_timeout_s);
+  changed_.wait_for(lock, timeout, [this] { return is_welcome_ || has_ended_; });
+  if (is_welcome_) return absl::OkStatus();
+  if (has_ended_) return end_reason_;
+  return absl::UnavailableError(absl::StrCat(address_, ": no session opens in time"));
+}
+
+void SceneSession::End(const absl::Status& reason) {
+  {
+    std::lock_guard lock(mutex_);
+    if (end_reason_.ok()) end_reason_ = reason;
+  }
+  context_.TryCancel();
+}
+
+void SceneSession::Join() { turns_.Join(); }
+
+bool SceneSession::Send(const v1::SessionRequest& request, bool more_follows) {
+  std::lock_guard lock(write_mutex_);
+  if (has_ended_) return false;
+  grpc::WriteOptions options;
+  if (more_follows) options.set_buffer_hint();
+  return stream_->Write(request, options);
+}
+
+void SceneSession::SendConsumed(uint64_t subscription_id, const Consumed& consumed) {
+  v1::SessionRequest request;
+  request.mutable_acknowledgement()->set_subscription_id(subscription_id);
+  request.mutable_acknowledgement()->set_update_sequence(consumed.acknowledged_sequence);
+  Send(request, /*more_follows=*/true);
+  request.mutable_credit()->set_subscription_id(subscription_id);
+  request.mutable_credit()->set_updates(consumed.updates);
+  Send(request);
+}
+
+absl::Status SceneSession::Await(Answers& answers, uint64_t id,
+                                 const std::shared_ptr<Answer>& answer) {
+  std::unique_lock lock(mutex_);
+  const std::chrono::duration<double> timeout(connection_.options().call_timeout_s);
+  changed_.wait_for(lock, timeout, [&] { return answer->is_here || has_ended_; });
+  if (answer->is_here) return answer->status;
+  if (has_ended_) return end_reason_;
+  // A commit's entry stays: if its answer does come, the mirror needs it.
+  if (&answers == &subscribes_) answers.erase(id);
+  return absl::DeadlineExceededError(absl::StrCat(address_, ": no answer in time"));
+}
+
+absl::StatusOr<Revision> SceneSession::Commit(const SceneDelta& delta) {
+  auto revision = TryCommit(delta);
+  // The server may have dropped a blob between our question and the commit, or since an instance
+  // named it that is gone by now.
+  if (ErrorReason(revision.status()) != "MISSING_BLOB") return revision;
+  const auto nothing_known = Scene::Empty(scene_id_);
+  const absl::Status status = connection_.blobs().UploadMissing(delta, *nothing_known);
+  if (!status.ok()) return status;
+  return TryCommit(delta);
+}
+
+absl::StatusOr<Revision> SceneSession::TryCommit(const SceneDelta& delta) {
+  const auto known = mirror_.Applied();
+  absl::Status status = connection_.blobs().UploadMissing(delta, *known);
+  if (!status.ok()) return status;
+
+  v1::SessionRequest request;
+  *request.mutable_commit()->mutable_delta() = ToProto(delta);
+  if (request.ByteSizeLong() > connection_.max_message_bytes()) {
+    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_MESSAGE", "delta",
+                      absl::StrCat("found ", request.ByteSizeLong(), " bytes, need at most ",
+                                   connection_.max_message_bytes(), ": commit it in parts"));
+  }
+  const auto answer = std::make_shared<Answer>();
+  answer->delta = delta;
+  {
+    std::lock_guard lock(mutex_);
+    request.mutable_commit()->set_commit_id(next_id_);
+    commits_[next_id_++] = answer;
+  }
+  Send(request);
+  status = Await(commits_, request.commit().commit_id(), answer);
+  if (!status.ok()) return status;
+  // The next Snapshot shows this commit. What is wrong with the mirror, if anything, it will say.
+  mirror_.Newest().IgnoreError();
+  return answer->revision;
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> SceneSession::Snapshot() {
+  {
+    std::unique_lock lock(mutex_);
+    const std::chrono::duration<double> timeout(connection_.options().call_timeout_s);
+    changed_.wait_for(lock, timeout, [this] { return mirror_.has_content() || has_ended_; });
+    if (has_ended_) return end_reason_;
+    if (!mirror_.has_content()) {
+      return absl::DeadlineExceededError(
+          absl::StrCat(address_, ": the scene did not come in time"));
+    }
+  }
+  return mirror_.Newest();
+}
+
+absl::StatusOr<std::unique_ptr<Subscription>> SceneSession::Subscribe(
+    const ArtifactSpec& spec, RemoteEngine::MeasuredCallback callback) {
+  v1::SessionRequest request;
+  *request.mutable_subscribe()->mutable_spec() = ToProto(spec);
+  request.mutable_subscribe()->set_initial_credit(kInitialCredit);
+  const auto answer = std::make_shared<Answer>();
+  std::shared_ptr<RemoteSubscriber> subscriber;
+  {
+    std::lock_guard lock(mutex_);
+    const uint64_t id = next_id_++;
+    request.mutable_subscribe()->set_subscription_id(id);
+    subscriber = std::make_shared<RemoteSubscriber>(id, std::move(callback),
+                                                    connection_.blobs().scene_limits(), NowMs());
+    subscribers_[id] = subscriber;
+    subscribes_[id] = answer;
+  }
+  // From here on leaving ends it.
+  auto subscription = std::make_unique<RemoteSubscription>(shared_from_this(), subscriber);
+  Send(request);
+  if (absl::Status status = Await(subscribes_, subscriber->id(), answer); !status.ok()) {
+    return status;
+  }
+  return subscription;
+}
+
+void SceneSession::Unsubscribe(RemoteSubscriber& subscriber) {
+  bool is_known = false;
+  {
+    std::lock_guard lock(mutex_);
+    is_known = subscribers_.erase(subscriber.id()) > 0;
+  }
+  if (is_known && !has_ended_) {
+    v1::SessionRequest request;
+    request.mutable_unsubscribe()->set_subscription_id(subscriber.id());
+    Send(request);
+  }
+  subscriber.Close();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,98 @@
+// One Session stream: commits to a scene, subscriptions to its artifacts, a mirror of its content.
+//
+//   auto session = SceneSession::Open(connection, "studio");
+//   auto revision = (*session)->Commit(delta);
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "client/session/mirrored_scene.h"
+#include "client/session/reading_turns.h"
+#include "client/session/remote_subscriber.h"
+#include "penumbra/v1/service.grpc.pb.h"
+#include "render/engine/engine.h"
+
+namespace penumbra {
+
+class ServerConnection;
+
+class SceneSession : public std::enable_shared_from_this<SceneSession> {
+ public:
+  // Errors  kNotFound: no such scene; kFailedPrecondition VERSION; kUnavailable
+  static absl::StatusOr<std::shared_ptr<SceneSession>> Open(ServerConnection& connection,
+                                                            const std::string& scene_id);
+  ~SceneSession();
+
+  absl::StatusOr<Revision> Commit(const SceneDelta& delta);
+  absl::StatusOr<std::shared_ptr<const Scene>> Snapshot();
+  absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const ArtifactSpec& spec,
+                                                          RemoteEngine::MeasuredCallback callback);
+  // The end of a subscription, from its owner.
+  void Unsubscribe(RemoteSubscriber& subscriber);
+
+  bool has_ended() const { return has_ended_; }
+  // Cancels the stream: what is under way ends with `reason`. Does not wait.
+  void End(const absl::Status& reason);
+  // Waits for the session's threads. After this it makes no use of the connection.
+  void Join();
+
+ private:
+  // What a caller waits for. `delta` is a commit's, for the mirror.
+  struct Answer {
+    bool is_here = false;
+    absl::Status status;
+    Revision revision = 0;
+    SceneDelta delta;
+  };
+  using Answers = std::map<uint64_t, std::shared_ptr<Answer>>;
+
+  SceneSession(ServerConnection& connection, const std::string& scene_id);
+
+  absl::Status Greet();
+  absl::StatusOr<Revision> TryCommit(const SceneDelta& delta);
+  bool Send(const v1::SessionRequest& request, bool more_follows = false);
+  void SendConsumed(uint64_t subscription_id, const Consumed& consumed);
+  absl::Status Await(Answers& answers, uint64_t id, const std::shared_ptr<Answer>& answer);
+
+  bool ReadOne();
+  void Hear(Revision revision);
+  double HeardMs(Revision revision) const;
+  void Receive(v1::CommitResult& result);
+  void Receive(const v1::SubscribeResult& result);
+  void Receive(const v1::SubscriptionEnded& ended);
+  void Receive(const v1::ArtifactUpdate& update);
+  void EndAll(const grpc::Status& status);
+  void PostDelivery(std::shared_ptr<RemoteSubscriber> subscriber);
+  std::shared_ptr<RemoteSubscriber> FindSubscriber(uint64_t id);
+
+  ServerConnection& connection_;
+  const std::string address_;
+  const std::string scene_id_;
+  MirroredScene mirror_;
+
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>> stream_;
+  v1::SessionResponse response_;         // the reader's; kept for its memory
+  std::map<Revision, double> heard_ms_;  // the reader's: when the newest revisions were heard of
+  std::mutex write_mutex_;               // one writes at a time
+
+  std::atomic<bool> has_ended_{false};
+  std::mutex mutex_;  // guards the rest but the turns
+  std::condition_variable changed_;
+  bool is_welcome_ = false;
+  absl::Status end_reason_;  // why it has ended, or is being ended
+  uint64_t next_id_ = 1;
+  Answers commits_;
+  Answers subscribes_;
+  std::map<uint64_t, std::shared_ptr<RemoteSubscriber>> subscribers_;
+
+  ReadingTurns turns_;
+};
+
+}  // namespace penumbra

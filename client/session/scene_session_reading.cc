@@ -1,0 +1,145 @@
+// The reader's half of SceneSession: what the server says.
+
+#include <utility>
+
+#include "client/session/call_status.h"
+#include "client/session/scene_session.h"
+#include "client/session/server_connection.h"
+#include "client/session/steady_clock.h"
+#include "proto/convert/status_convert.h"
+
+namespace penumbra {
+namespace {
+
+// Updates of revisions older than these are not worth timing.
+constexpr size_t kHeardRevisions = 64;
+
+}  // namespace
+
+bool SceneSession::ReadOne() {
+  if (!stream_->Read(&response_)) {
+    EndAll(stream_->Finish());
+    return false;
+  }
+  switch (response_.response_case()) {
+    case v1::SessionResponse::kArtifactUpdate:
+      Receive(response_.artifact_update());
+      break;
+    case v1::SessionResponse::kCommitResult:
+      Receive(*response_.mutable_commit_result());
+      break;
+    case v1::SessionResponse::kSceneUpdate:
+      Hear(response_.scene_update().revision());
+      mirror_.Push(std::move(*response_.mutable_scene_update()));
+      turns_.Post([this] { mirror_.Newest().IgnoreError(); });
+      break;
+    case v1::SessionResponse::kSubscribeResult:
+      Receive(response_.subscribe_result());
+      break;
+    case v1::SessionResponse::kSubscriptionEnded:
+      Receive(response_.subscription_ended());
+      break;
+    case v1::SessionResponse::kWelcome:
+    case v1::SessionResponse::kSessionError:
+    case v1::SessionResponse::RESPONSE_NOT_SET:
+      break;
+  }
+  std::lock_guard lock(mutex_);
+  is_welcome_ = is_welcome_ || response_.has_welcome();
+  const bool is_awaited = !response_.has_artifact_update();
+  if (is_awaited) changed_.notify_all();
+  return true;
+}
+
+void SceneSession::Hear(Revision revision) {
+  heard_ms_.try_emplace(revision, NowMs());
+  if (heard_ms_.size() > kHeardRevisions) heard_ms_.erase(heard_ms_.begin());
+}
+
+double SceneSession::HeardMs(Revision revision) const {
+  const auto found = heard_ms_.find(revision);
+  return found == heard_ms_.end() ? 0.0 : found->second;
+}
+
+void SceneSession::Receive(v1::CommitResult& result) {
+  if (!result.has_error()) Hear(result.revision());
+  std::lock_guard lock(mutex_);
+  const auto found = commits_.find(result.commit_id());
+  if (found == commits_.end()) return;
+  Answer& answer = *found->second;
+  answer.status = FromProto(result.error());
+  answer.revision = result.revision();
+  answer.is_here = true;
+  if (answer.status.ok()) {
+    mirror_.PushOwn(std::move(answer.delta), result.revision(), result.content_hash());
+  }
+  commits_.erase(found);
+}
+
+void SceneSession::Receive(const v1::SubscribeResult& result) {
+  std::lock_guard lock(mutex_);
+  const auto found = subscribes_.find(result.subscription_id());
+  if (found == subscribes_.end()) return;
+  found->second->status = FromProto(result.error());
+  found->second->is_here = true;
+  if (!found->second->status.ok()) subscribers_.erase(result.subscription_id());
+  subscribes_.erase(found);
+}
+
+void SceneSession::Receive(const v1::SubscriptionEnded& ended) {
+  const auto subscriber = FindSubscriber(ended.subscription_id());
+  if (subscriber == nullptr) return;
+  {
+    std::lock_guard lock(mutex_);
+    subscribers_.erase(ended.subscription_id());
+  }
+  absl::Status reason = FromProto(ended.error());
+  if (reason.ok()) reason = absl::CancelledError("the server ended the subscription");
+  if (subscriber->ReceiveEnd(reason)) PostDelivery(subscriber);
+}
+
+void SceneSession::Receive(const v1::ArtifactUpdate& update) {
+  const auto subscriber = FindSubscriber(update.subscription_id());
+  // Updates may be under way when a subscription ends.
+  if (subscriber == nullptr) return;
+  const auto is_due =
+      subscriber->Receive(update, NowMs(), [this](Revision revision) { return HeardMs(revision); });
+  if (!is_due.ok()) {
+    End(is_due.status());
+  } else if (*is_due) {
+    PostDelivery(subscriber);
+  }
+}
+
+void SceneSession::EndAll(const grpc::Status& status) {
+  std::map<uint64_t, std::shared_ptr<RemoteSubscriber>> subscribers;
+  absl::Status reason;
+  {
+    std::lock_guard lock(mutex_);
+    has_ended_ = true;
+    if (end_reason_.ok()) end_reason_ = StatusOfEndedSession(address_, status);
+    reason = end_reason_;
+    subscribers = std::exchange(subscribers_, {});
+    commits_.clear();
+    subscribes_.clear();
+    changed_.notify_all();
+  }
+  for (const auto& [id, subscriber] : subscribers) {
+    if (subscriber->ReceiveEnd(reason)) PostDelivery(subscriber);
+  }
+}
+
+void SceneSession::PostDelivery(std::shared_ptr<RemoteSubscriber> subscriber) {
+  turns_.Post([this, subscriber = std::move(subscriber)] {
+    subscriber->Deliver(
+        [&](const Consumed& consumed) { SendConsumed(subscriber->id(), consumed); });
+  });
+}
+
+std::shared_ptr<RemoteSubscriber> SceneSession::FindSubscriber(uint64_t id) {
+  std::lock_guard lock(mutex_);
+  const auto found = subscribers_.find(id);
+  return found == subscribers_.end() ? nullptr : found->second;
+}
+
+}  // namespace penumbra

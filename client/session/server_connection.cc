@@ -1,0 +1,90 @@
+#include "client/session/server_connection.h"
+
+#include <utility>
+
+#include "client/session/scene_session.h"
+#include "grpcpp/create_channel.h"
+#include "grpcpp/security/credentials.h"
+#include "grpcpp/support/channel_arguments.h"
+
+namespace penumbra {
+namespace {
+
+// An upload on a slow line gets one call timeout more for each of these.
+constexpr double kBytesPerCallTimeout = 16.0 * 1024 * 1024;
+
+std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  // A connection of its own: one engine's trouble is not another's.
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  // The address says where the server is; a proxy for web pages has no part in it.
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+std::chrono::system_clock::time_point After(double seconds) {
+  return std::chrono::system_clock::now() +
+         std::chrono::duration_cast<std::chrono::system_clock::duration>(
+             std::chrono::duration<double>(seconds));
+}
+
+}  // namespace
+
+ServerConnection::ServerConnection(RemoteEngineOptions options)
+    : options_(std::move(options)),
+      stub_(v1::PenumbraService::NewStub(MakeChannel(options_.address))) {}
+
+ServerConnection::~ServerConnection() {
+  for (auto& [id, session] : sessions_) ended_sessions_.push_back(std::move(session));
+  for (const auto& session : ended_sessions_) session->End(absl::CancelledError("engine closed"));
+  for (const auto& session : ended_sessions_) session->Join();
+}
+
+absl::StatusOr<std::unique_ptr<ServerConnection>> ServerConnection::Open(
+    RemoteEngineOptions options) {
+  std::unique_ptr<ServerConnection> connection(new ServerConnection(std::move(options)));
+  if (absl::Status status = connection->Greet(); !status.ok()) return status;
+  return connection;
+}
+
+// Finds out at once whether there is a server, and what it accepts.
+absl::Status ServerConnection::Greet() {
+  grpc::ClientContext context;
+  context.set_deadline(After(options_.connect_timeout_s));
+  v1::GetServerInfoResponse info;
+  const absl::Status status = StatusOfCall(
+      options_.address, stub_->GetServerInfo(&context, v1::GetServerInfoRequest(), &info));
+  if (!status.ok()) return status;
+  if (info.limits().max_message_bytes() > 0) max_message_bytes_ = info.limits().max_message_bytes();
+  blobs_ = std::make_unique<BlobTransfer>(*this, info.limits());
+  return absl::OkStatus();
+}
+
+std::chrono::system_clock::time_point ServerConnection::DeadlineFor(uint64_t bytes) const {
+  return After(options_.call_timeout_s * (1.0 + static_cast<double>(bytes) / kBytesPerCallTimeout));
+}
+
+absl::StatusOr<std::shared_ptr<SceneSession>> ServerConnection::SessionOf(
+    const std::string& scene_id) {
+  std::lock_guard lock(mutex_);
+  if (const auto found = sessions_.find(scene_id); found != sessions_.end()) {
+    if (!found->second->has_ended()) return found->second;
+    ended_sessions_.push_back(std::move(found->second));
+    sessions_.erase(found);
+  }
+  auto session = SceneSession::Open(*this, scene_id);
+  if (!session.ok()) return session.status();
+  sessions_[scene_id] = *session;
+  return session;
+}
+
+void ServerConnection::EndSession(const std::string& scene_id, const absl::Status& reason) {
+  std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(scene_id);
+  if (found == sessions_.end()) return;
+  found->second->End(reason);
+  ended_sessions_.push_back(std::move(found->second));
+  sessions_.erase(found);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,69 @@
+// The channel to a server: its unary calls, and the sessions that are open on it.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/session/blob_transfer.h"
+#include "client/session/call_status.h"
+#include "client/session/remote_engine.h"
+#include "penumbra/v1/service.grpc.pb.h"
+#include "render/scene/scene_limits.h"
+
+namespace penumbra {
+
+class SceneSession;
+
+class ServerConnection {
+ public:
+  static absl::StatusOr<std::unique_ptr<ServerConnection>> Open(RemoteEngineOptions options);
+  ~ServerConnection();
+
+  const RemoteEngineOptions& options() const { return options_; }
+  v1::PenumbraService::Stub& stub() { return *stub_; }
+  BlobTransfer& blobs() { return *blobs_; }
+  // Of one message to the server.
+  size_t max_message_bytes() const { return max_message_bytes_; }
+
+  // The session of the scene; opens one where there is none, or none that lives.
+  //
+  // Errors  kNotFound: no such scene; kUnavailable
+  absl::StatusOr<std::shared_ptr<SceneSession>> SessionOf(const std::string& scene_id);
+  // Ends the session, if there is one, for `reason`.
+  void EndSession(const std::string& scene_id, const absl::Status& reason);
+
+  // When a call that moves so many bytes must be over.
+  std::chrono::system_clock::time_point DeadlineFor(uint64_t bytes) const;
+
+  // One unary call.
+  template <typename Request, typename Response>
+  absl::Status Call(grpc::Status (v1::PenumbraService::Stub::*method)(grpc::ClientContext*,
+                                                                      const Request&, Response*),
+                    const Request& request, Response* response) {
+    grpc::ClientContext context;
+    context.set_deadline(DeadlineFor(0));
+    return StatusOfCall(options_.address, ((*stub_).*method)(&context, request, response));
+  }
+
+ private:
+  explicit ServerConnection(RemoteEngineOptions options);
+  absl::Status Greet();
+
+  const RemoteEngineOptions options_;
+  std::unique_ptr<v1::PenumbraService::Stub> stub_;
+  std::unique_ptr<BlobTransfer> blobs_;
+  size_t max_message_bytes_ = size_t{1} << 20;  // unless the server tells another one
+
+  std::mutex mutex_;  // of the sessions; held while one is being opened
+  std::map<std::string, std::shared_ptr<SceneSession>> sessions_;
+  // Sessions that have ended. Their threads are waited for at the end only: one of them may be in a
+  // callback that waits for the thread that finds the session dead.
+  std::vector<std::shared_ptr<SceneSession>> ended_sessions_;
+};
+
+}  // namespace penumbra
