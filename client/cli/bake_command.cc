@@ -1,0 +1,121 @@
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/bake_files.h"
+#include "client/cli/compute_shadow.h"
+#include "client/cli/open_engine.h"
+#include "client/cli/output_files.h"
+#include "client/cli/run_command.h"
+#include "client/cli/shadow_plan.h"
+#include "client/session/steady_clock.h"
+
+namespace penumbra {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// RECEIVER, or RECEIVER.LIGHT where there are several lights; never one of `taken`.
+std::string NameOf(const ArtifactSpec& spec, bool has_several_lights,
+                   std::set<std::string>& taken) {
+  const std::string wanted =
+      has_several_lights ? absl::StrCat(spec.receiver_id, ".", spec.light_id) : spec.receiver_id;
+  std::string name = wanted;
+  for (int number = 2; !taken.insert(name).second; ++number)
+    name = absl::StrCat(wanted, "-", number);
+  return name;
+}
+
+double VisiblePercent(const VisibilityMap& map) {
+  double sum = 0.0;
+  for (const uint16_t count : map.counts) sum += count;
+  const double most = static_cast<double>(map.counts.size()) * map.sample_count;
+  return most > 0.0 ? 100.0 * sum / most : 100.0;
+}
+
+std::string Describe(const BakeRecord& record) {
+  const VisibilityMap& map = std::get<SoftShadowTexture>(record.artifact.payload).visibility;
+  return absl::StrFormat("%s: %dx%d texels, %d light samples, %.1f %% visible, %.1f ms",
+                         record.name, map.width, map.height, map.sample_count, VisiblePercent(map),
+                         record.wall_ms);
+}
+
+Json ToJson(const BakeRecord& record, const BakeCommand& command,
+            const std::vector<std::string>& files) {
+  Json paths = Json::array();
+  for (const std::string& file : files) paths.push_back((command.out / file).string());
+  const ArtifactHeader& header = record.artifact.header;
+  return {{"name", record.name},
+          {"receiver", header.receiver_id},
+          {"light", header.light_id},
+          {"files", std::move(paths)},
+          {"wall_ms", record.wall_ms}};
+}
+
+// Computes and writes each light's shadow on each receiver.
+absl::StatusOr<Json> BakeAll(const BakeCommand& command, const ShadowPlan& plan, Engine& engine,
+                             const std::string& scene_id, const Console& console,
+                             std::stop_token stop) {
+  Json baked = Json::array();
+  std::set<std::string> taken;
+  ProgressLine progress(console);
+  for (const std::string& receiver_id : plan.receiver_ids) {
+    for (const std::string& light_id : plan.light_ids) {
+      const ArtifactSpec spec{command.request.params, light_id, receiver_id};
+      const std::string name = NameOf(spec, plan.light_ids.size() > 1, taken);
+      const double start_ms = NowMs();
+      const auto artifact = ComputeShadow(engine, scene_id, spec, name, progress, stop);
+      if (!artifact.ok()) return artifact.status();
+      const BakeRecord record{.artifact = **artifact,
+                              .scene = command.request.scene.string(),
+                              .name = name,
+                              .exposure = command.exposure,
+                              .wall_ms = NowMs() - start_ms};
+      const auto files = WriteBake(record, command.out);
+      if (!files.ok()) return files.status();
+      progress.Finish(Describe(record));
+      baked.push_back(ToJson(record, command, *files));
+    }
+  }
+  return baked;
+}
+
+}  // namespace
+
+absl::Status Run(const BakeCommand& command, const Console& console, std::stop_token stop) {
+  ShadowRequest request = command.request;
+  const bool names_receivers =
+      request.floor || !request.receivers.empty() || !request.receiver_instances.empty();
+  if (!names_receivers) {
+    request.floor = true;
+    console.Note("no receiver is named: a floor under the scene receives");
+  }
+  const auto imported = ImportScene(request.scene);
+  if (!imported.ok()) return imported.status();
+  const auto plan = PlanShadows(*imported, request);
+  if (!plan.ok()) return plan.status();
+  for (const std::string& note : plan->notes) console.Note(note);
+  if (absl::Status status = PrepareOutputFolder(command.out); !status.ok()) return status;
+
+  const auto engine = OpenEngine(command.engine);
+  if (!engine.ok()) return engine.status();
+  const auto scene = TemporaryScene::Create(**engine, "bake");
+  if (!scene.ok()) return scene.status();
+  const auto revision = (*engine)->Commit(scene->id(), plan->delta);
+  if (!revision.ok()) return revision.status();
+  const auto baked = BakeAll(command, *plan, **engine, scene->id(), console, stop);
+  if (!baked.ok()) return baked.status();
+
+  if (command.json) {
+    console.out << Json{{"revision", *revision}, {"baked", *baked}}.dump(2) << '\n';
+  } else {
+    console.out << "wrote " << baked->size() << (baked->size() == 1 ? " texture" : " textures")
+                << " to " << command.out.string() << '\n';
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace penumbra

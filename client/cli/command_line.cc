@@ -1,0 +1,284 @@
+#include "client/cli/command_line.h"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "CLI/App.hpp"
+#include "CLI/Config.hpp"
+#include "CLI/Formatter.hpp"
+#include "absl/strings/str_cat.h"
+#include "client/cli/light_option.h"
+#include "client/cli/option_error.h"
+#include "client/cli/option_values.h"
+#include "client/cli/version.h"
+#include "render/scene/scene_limits.h"
+
+namespace penumbra {
+namespace {
+
+constexpr char kExamples[] =
+    "Numbers may be separated by commas or blanks. Lengths are metres, +Y is up.\n"
+    "Try: penumbra bake table.glb --floor --out shadows";
+
+// The parser, and the first thing that our own readers of values found wrong.
+class Grammar {
+ public:
+  Grammar();
+
+  absl::StatusOr<Command> Parse(const std::vector<std::string>& arguments);
+
+ private:
+  template <typename C>
+  CLI::App* AddCommand(C& command, const char* name, const char* summary);
+  void AddEngine(CLI::App* app, EngineChoice& engine, bool server_is_required = false);
+  void AddScene(CLI::App* app, std::filesystem::path& scene);
+  void AddRequest(CLI::App* app, ShadowRequest& request, const char* size_name);
+  void AddLights(CLI::App* app, ShadowRequest& request);
+  void AddTechnique(CLI::App* app, TechniqueParams& params);
+  void AddBake();
+  void AddView();
+  void AddPushAndWatch();
+  void AddListings();
+  void AddDemo();
+
+  // An option of one text, or of one text each time it is given, read by `read`.
+  void Add(CLI::App* app, const std::string& name, const std::string& form, const std::string& help,
+           std::function<absl::Status(const std::string&)> read);
+  template <typename T>
+  void AddTo(CLI::App* app, const char* name, const char* form, const char* help, T& target,
+             absl::StatusOr<T> (*read)(std::string_view option, std::string_view text)) {
+    Add(app, name, form, help, [&target, name, read](const std::string& text) {
+      auto value = read(name, text);
+      if (value.ok()) target = *std::move(value);
+      return value.status();
+    });
+  }
+
+  CLI::App app_{"Shadows as a service: bakes, streams and draws soft shadows.", "penumbra"};
+  absl::Status error_;
+  BakeCommand bake_;
+  ViewCommand view_;
+  PushCommand push_;
+  WatchCommand watch_;
+  TechniquesCommand techniques_;
+  InfoCommand info_;
+  DemoCommand demo_;
+  Command chosen_;
+};
+
+void Grammar::Add(CLI::App* app, const std::string& name, const std::string& form,
+                  const std::string& help, std::function<absl::Status(const std::string&)> read) {
+  const auto read_all = [this, read](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) error_.Update(read(text));
+  };
+  app->add_option_function<std::vector<std::string>>(name, read_all, help)
+      ->allow_extra_args(false)
+      ->type_name(form);
+}
+
+template <typename C>
+CLI::App* Grammar::AddCommand(C& command, const char* name, const char* summary) {
+  CLI::App* app = app_.add_subcommand(name, summary);
+  app->final_callback([this, &command] { chosen_ = command; });
+  return app;
+}
+
+void Grammar::AddEngine(CLI::App* app, EngineChoice& engine, bool server_is_required) {
+  app->add_option("--server", engine.server, "Compute on the server at this address")
+      ->type_name("HOST:PORT")
+      ->required(server_is_required);
+}
+
+void Grammar::AddScene(CLI::App* app, std::filesystem::path& scene) {
+  app->add_option("SCENE", scene, "A glTF, GLB, OBJ or PLY file")->type_name("FILE")->required();
+}
+
+void Grammar::AddTechnique(CLI::App* app, TechniqueParams& params) {
+  AddTo(app, "--technique", "NAME", "How shadows are computed (default soft_texture)", params,
+        ReadTechnique);
+  Add(app, "--samples", "N", "Samples on the light (default 64)",
+      [&params](const std::string& text) { return SetSamples(params, text); });
+  Add(app, "--seed", "N", "Of the samples' jitter: the same seed gives the same bits (default 1)",
+      [&params](const std::string& text) { return SetSeed(params, text); });
+}
+
+void Grammar::AddLights(CLI::App* app, ShadowRequest& request) {
+  app->add_option("--light", request.light_ids,
+                  "A light of the scene; default: all of them. If any light is named or given as "
+                  "numbers, only those shine")
+      ->allow_extra_args(false)
+      ->type_name("ID");
+  for (const LightOption& option : LightOptions()) {
+    Add(app, option.name, absl::StrCat("\"", option.form, "\""), option.help,
+        [&request, &option](const std::string& text) {
+          return AddLight(option, text, request.lights);
+        });
+  }
+}
+
+void Grammar::AddRequest(CLI::App* app, ShadowRequest& request, const char* size_name) {
+  AddScene(app, request.scene);
+  AddTechnique(app, request.params);
+  AddLights(app, request);
+  Add(app, "--receiver", "\"origin edge_u edge_v\"",
+      "A patch to receive shadows, lit on both sides",
+      [&request](const std::string& text) { return AddReceiver(text, request.receivers); });
+  app->add_option("--receiver-instance", request.receiver_instances,
+                  "A flat instance of the scene to receive shadows")
+      ->allow_extra_args(false)
+      ->type_name("ID");
+  app->add_flag("--floor", request.floor,
+                "A patch under the scene, three times as wide and as deep, to receive shadows");
+  AddTo(app, size_name, "WIDTHxHEIGHT", "Texels of each receiver (default 256x256)", request.texels,
+        ReadTexels);
+  AddTo(app, "--reflectance", "\"r g b\"", "Of the receivers, 0 to 1 (default 1; in a view 0.8)",
+        request.reflectance, ReadReflectance);
+}
+
+void Grammar::AddBake() {
+  CLI::App* app = AddCommand(bake_, "bake", "Write the soft shadows of a scene to files");
+  AddRequest(app, bake_.request, "--size");
+  AddEngine(app, bake_.engine);
+  app->add_option("--threads", bake_.engine.threads, "Without a server: threads to compute on");
+  app->add_option("--out", bake_.out, "Folder for NAME.exr, NAME.png and NAME.json")
+      ->type_name("DIR")
+      ->required();
+  Add(app, "--exposure", "FACTOR",
+      "Radiance that is 1/FACTOR is white in the PNG (default: the largest)",
+      [this](const std::string& text) { return SetExposure(text, bake_.exposure); });
+  app->add_flag("--json", bake_.json, "Print what was written as JSON");
+}
+
+void Grammar::AddView() {
+  CLI::App* app = AddCommand(view_, "view", "Draw a scene with its soft shadows");
+  // As instances are where their file says nothing, so that a patch does not outshine them.
+  view_.request.reflectance = Vec3(0.8f);
+  AddRequest(app, view_.request, "--texture-size");
+  AddEngine(app, view_.engine);
+  app->add_option("--threads", view_.engine.threads, "Without a server: threads to compute on");
+  app->add_option("--receivers", view_.max_planar_receivers,
+                  "How many flat instances receive shadows where none is named (default 4)")
+      ->type_name("N");
+  Add(app, "--camera", "\"eye target [up] [fov_deg]\"",
+      "Where the picture is taken from (default: the file's camera, or all in sight)",
+      [this](const std::string& text) { return SetCamera(text, view_.camera); });
+  AddTo(app, "--size", "WIDTHxHEIGHT", "Pixels of the picture (default 960x640)", view_.size,
+        ReadPixels);
+  app->add_option("--out", view_.out, "The picture, .png or .exr")->type_name("FILE")->required();
+  Add(app, "--ambient", "\"r g b\"",
+      "Radiance that reaches every surface (default: a share of the light there is)",
+      [this](const std::string& text) { return SetAmbient(text, view_.ambient); });
+  app->add_flag("--cull-back-faces", view_.culls_back_faces,
+                "Leave out faces that turn away, to look into a closed room");
+  Add(app, "--exposure", "FACTOR",
+      "What radiance is multiplied by in a PNG (default: from the picture)",
+      [this](const std::string& text) { return SetExposure(text, view_.exposure); });
+  app->add_flag("--json", view_.json, "Print what was drawn as JSON");
+}
+
+void Grammar::AddPushAndWatch() {
+  CLI::App* push = AddCommand(push_, "push", "Make a server's scene equal to a file");
+  AddScene(push, push_.scene);
+  AddEngine(push, push_.engine, true);
+  push->add_option("--scene", push_.scene_id, "The server's scene; made if there is none")
+      ->type_name("ID")
+      ->required();
+  push->add_flag("--json", push_.json, "Print what was sent as JSON");
+
+  CLI::App* watch = AddCommand(watch_, "watch", "Print each update of a server's scene");
+  AddEngine(watch, watch_.engine, true);
+  watch->add_option("--scene", watch_.scene_id, "The server's scene")->type_name("ID")->required();
+  AddTechnique(watch, watch_.params);
+  watch->add_option("--light", watch_.light_ids, "A light (default: all)")
+      ->allow_extra_args(false)
+      ->type_name("ID");
+  watch->add_option("--receiver", watch_.receiver_ids, "A receiver (default: all)")
+      ->allow_extra_args(false)
+      ->type_name("ID");
+  watch->add_option("--updates", watch_.max_updates, "Stop after N updates")->type_name("N");
+  watch->add_option("--seconds", watch_.max_seconds, "Stop after a time")->type_name("S");
+  watch->add_flag("--json", watch_.json, "One JSON object a line");
+}
+
+void Grammar::AddListings() {
+  CLI::App* techniques = AddCommand(techniques_, "techniques", "List the techniques");
+  AddEngine(techniques, techniques_.engine);
+  techniques->add_flag("--json", techniques_.json, "Print JSON");
+  CLI::App* info = AddCommand(info_, "info", "Say what this program, or a server, is and can do");
+  AddEngine(info, info_.engine);
+  info->add_flag("--json", info_.json, "Print JSON");
+}
+
+void Grammar::AddDemo() {
+  CLI::App* app =
+      AddCommand(demo_, "demo", "Stream a scene to a server, edit it, draw the results");
+  AddScene(app, demo_.scene);
+  AddEngine(app, demo_.engine, true);
+  AddTechnique(app, demo_.params);
+  app->add_option("--out", demo_.out, "Folder for the pictures")->type_name("DIR")->required();
+  AddTo(app, "--texture-size", "WIDTHxHEIGHT", "Texels of each receiver (default 256x256)",
+        demo_.texels, ReadTexels);
+  AddTo(app, "--size", "WIDTHxHEIGHT", "Pixels of the pictures (default 960x640)", demo_.size,
+        ReadPixels);
+}
+
+Grammar::Grammar() {
+  app_.require_subcommand(1);
+  app_.footer(kExamples);
+  app_.set_version_flag("--version", VersionText());
+  AddBake();
+  AddView();
+  AddPushAndWatch();
+  AddListings();
+  AddDemo();
+}
+
+absl::StatusOr<Command> Grammar::Parse(const std::vector<std::string>& arguments) {
+  std::vector<std::string> reversed = TieNumbersToOptions(arguments);
+  std::reverse(reversed.begin(), reversed.end());
+  try {
+    app_.parse(std::move(reversed));
+  } catch (const CLI::CallForHelp&) {
+    const auto chosen = app_.get_subcommands();
+    return PrintText{(chosen.empty() ? &app_ : chosen.front())->help()};
+  } catch (const CLI::CallForVersion& version) {
+    return PrintText{absl::StrCat(version.what(), "\n")};
+  } catch (const CLI::ParseError& error) {
+    if (!error_.ok()) return error_;
+    return absl::InvalidArgumentError(
+        absl::StrCat(OneLine(error.what()), " (run with --help for more)"));
+  }
+  if (!error_.ok()) return error_;
+  return chosen_;
+}
+
+bool TakesNumbers(const std::string& argument) {
+  static constexpr const char* kOthers[] = {"--receiver", "--size",    "--texture-size",
+                                            "--camera",   "--ambient", "--reflectance"};
+  const auto is_argument = [&](const char* name) { return argument == name; };
+  const auto is_light = [&](const LightOption& option) { return argument == option.name; };
+  return std::ranges::any_of(kOthers, is_argument) || std::ranges::any_of(LightOptions(), is_light);
+}
+
+}  // namespace
+
+std::vector<std::string> TieNumbersToOptions(const std::vector<std::string>& arguments) {
+  std::vector<std::string> tied;
+  for (size_t i = 0; i < arguments.size(); ++i) {
+    tied.push_back(arguments[i]);
+    if (!TakesNumbers(arguments[i])) continue;
+    std::string numbers;
+    while (i + 1 < arguments.size() && IsNumbers(arguments[i + 1])) {
+      absl::StrAppend(&numbers, numbers.empty() ? "" : " ", arguments[++i]);
+    }
+    if (!numbers.empty()) absl::StrAppend(&tied.back(), "=", numbers);
+  }
+  return tied;
+}
+
+absl::StatusOr<Command> ParseCommandLine(const std::vector<std::string>& arguments) {
+  return Grammar().Parse(arguments);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,106 @@
+// What was asked for on the command line, one struct a subcommand; command_line.h fills them in and
+// run_command.h acts on them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "client/cli/numbers.h"
+#include "client/display/camera.h"
+#include "render/math/vec.h"
+#include "render/scene/area_light.h"
+#include "render/scene/receiver.h"
+#include "render/technique/technique_params.h"
+
+namespace penumbra {
+
+// Where shadows are computed.
+struct EngineChoice {
+  std::string server;    // "host:port"; empty: in this process
+  uint32_t threads = 0;  // of the engine in this process; 0: one a core
+};
+
+// A scene file, and which of its shadows are wanted.
+struct ShadowRequest {
+  std::filesystem::path scene;
+  std::vector<std::string> light_ids;  // lights of the file
+  std::vector<AreaLight> lights;       // lights given as numbers
+  std::vector<Parallelogram> receivers;
+  std::vector<std::string> receiver_instances;
+  bool floor = false;
+  GridSize texels;
+  Vec3 reflectance{1.0f};  // of every receiver
+  TechniqueParams params;
+};
+
+struct BakeCommand {
+  EngineChoice engine;
+  ShadowRequest request;
+  std::filesystem::path out;
+  std::optional<float> exposure;  // absent: the brightest texel becomes white
+  bool json = false;
+};
+
+struct ViewCommand {
+  EngineChoice engine;
+  ShadowRequest request;
+  uint32_t max_planar_receivers = 4;
+  std::optional<Camera> camera;  // absent: the file's first one, or one that sees everything
+  GridSize size{960, 640};
+  std::filesystem::path out;
+  std::optional<Vec3> ambient;    // absent: a share of the light there is
+  std::optional<float> exposure;  // absent: found from the picture
+  bool culls_back_faces = false;
+  bool json = false;
+};
+
+struct PushCommand {
+  EngineChoice engine;
+  std::filesystem::path scene;
+  std::string scene_id;
+  bool json = false;
+};
+
+struct WatchCommand {
+  EngineChoice engine;
+  std::string scene_id;
+  std::vector<std::string> light_ids;     // empty: every light of the scene
+  std::vector<std::string> receiver_ids;  // empty: every receiver of the scene
+  TechniqueParams params;
+  uint64_t max_updates = 0;  // 0: until interrupted
+  double max_seconds = 0.0;  // 0: until interrupted
+  bool json = false;
+};
+
+struct TechniquesCommand {
+  EngineChoice engine;
+  bool json = false;
+};
+
+struct InfoCommand {
+  EngineChoice engine;
+  bool json = false;
+};
+
+struct DemoCommand {
+  EngineChoice engine;
+  std::filesystem::path scene;
+  std::filesystem::path out;
+  GridSize texels;
+  GridSize size{960, 640};
+  TechniqueParams params;
+};
+
+// Help or a version was asked for.
+struct PrintText {
+  std::string text;
+};
+
+using Command = std::variant<PrintText, BakeCommand, ViewCommand, PushCommand, WatchCommand,
+                             TechniquesCommand, InfoCommand, DemoCommand>;
+
+}  // namespace penumbra

@@ -1,0 +1,22 @@
+#include "client/cli/compute_shadow.h"
+
+#include "absl/strings/str_cat.h"
+#include "render/engine/compute_once.h"
+
+namespace penumbra {
+
+absl::StatusOr<std::shared_ptr<const Artifact>> ComputeShadow(
+    Engine& engine, const std::string& scene_id, const ArtifactSpec& spec, const std::string& label,
+    ProgressLine& progress, std::stop_token stop) {
+  progress.Show(label, 0.0);
+  const auto show = [&](const Artifact& artifact) {
+    const ArtifactHeader& header = artifact.header;
+    const double needed = header.samples_requested;
+    const double counted = static_cast<double>(header.light_samples.size());
+    progress.Show(absl::StrCat(label, ": ", counted, " of ", needed, " light samples"),
+                  needed > 0.0 ? counted / needed : 0.0);
+  };
+  return ComputeOnce(engine, scene_id, spec, {.progress = show, .stop = stop});
+}
+
+}  // namespace penumbra

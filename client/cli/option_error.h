@@ -1,0 +1,26 @@
+// Errors about what was typed: `--size: found "0x0", need …`.
+//
+//   return OptionError("--size", "RANGE", {text}, ", need WIDTHxHEIGHT");
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+
+namespace penumbra {
+
+// Text from outside, shown in quotes, cut at 64 bytes and with control characters as '?', so that
+// an error stays one readable line.
+struct Quoted {
+  std::string_view text;
+};
+
+// kInvalidArgument: `option: found "quoted"rest`.
+absl::Status OptionError(std::string_view option, std::string_view reason, Quoted found,
+                         std::string_view rest);
+
+// `text` on one line: control characters become blanks.
+std::string OneLine(std::string_view text);
+
+}  // namespace penumbra

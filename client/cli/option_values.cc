@@ -1,0 +1,144 @@
+#include "client/cli/option_values.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/cli/option_error.h"
+#include "render/scene/field_error.h"
+#include "render/scene/scene_limits.h"
+
+namespace penumbra {
+namespace {
+
+// The largest texture that Mesa's software device draws into.
+constexpr uint32_t kMaxPictureSide = 16'384;
+
+absl::Status RangeError(std::string_view option, std::string_view text, std::string_view need) {
+  return OptionError(option, "RANGE", {text}, absl::StrCat(", need ", std::string(need)));
+}
+
+absl::Status CountError(std::string_view option, size_t found, std::string_view need) {
+  return FieldError(absl::StatusCode::kInvalidArgument, "NUMBER_COUNT", option,
+                    absl::StrCat("found ", found, " numbers, need ", std::string(need)));
+}
+
+template <typename Integer>
+std::optional<Integer> ReadInteger(std::string_view text) {
+  Integer value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+absl::StatusOr<Vec3> ReadColor(std::string_view option, std::string_view text, float max) {
+  const auto numbers = ParseNumbers(option, text);
+  if (!numbers.ok()) return numbers.status();
+  if (numbers->size() != 1 && numbers->size() != 3) {
+    return CountError(option, numbers->size(), "1 or 3");
+  }
+  const auto in_range = [max](float x) { return x >= 0.0f && x <= max; };
+  if (!std::ranges::all_of(*numbers, in_range)) {
+    return RangeError(option, text, max == 1.0f ? "0 to 1" : "0 or more");
+  }
+  return numbers->size() == 1 ? Vec3((*numbers)[0]) : Vec3At(*numbers, 0);
+}
+
+}  // namespace
+
+absl::StatusOr<TechniqueParams> ReadTechnique(std::string_view option, std::string_view text) {
+  std::vector<std::string> names;
+  for (const TechniqueParams& params : AllTechniques()) {
+    if (InfoOf(params).name == text) return params;
+    names.emplace_back(InfoOf(params).name);
+  }
+  return OptionError(option, "UNKNOWN_TECHNIQUE", {text},
+                     absl::StrCat(", need one of: ", absl::StrJoin(names, ", ")));
+}
+
+absl::Status SetSamples(TechniqueParams& params, std::string_view text) {
+  const auto samples = ReadInteger<uint32_t>(text);
+  if (!samples) return RangeError("--samples", text, "a whole number");
+  std::visit([&](auto& p) { p.samples = *samples; }, params);
+  return absl::OkStatus();
+}
+
+absl::Status SetSeed(TechniqueParams& params, std::string_view text) {
+  const auto seed = ReadInteger<uint64_t>(text);
+  if (!seed) return RangeError("--seed", text, "a whole number of 64 bits");
+  std::visit([&](auto& p) { p.seed = *seed; }, params);
+  return absl::OkStatus();
+}
+
+absl::Status AddLight(const LightOption& option, std::string_view text,
+                      std::vector<AreaLight>& lights) {
+  auto shape = ParseLight(option, text);
+  if (!shape.ok()) return shape.status();
+  const auto is_same_kind = [&](const AreaLight& light) { return light.id.starts_with(option.id); };
+  const auto before = std::ranges::count_if(lights, is_same_kind);
+  std::string id = before == 0 ? option.id : absl::StrCat(option.id, "-", before + 1);
+  lights.push_back({.id = std::move(id), .shape = *std::move(shape)});
+  return absl::OkStatus();
+}
+
+absl::Status AddReceiver(std::string_view text, std::vector<Parallelogram>& receivers) {
+  const auto numbers = ParseNumbers("--receiver", text);
+  if (!numbers.ok()) return numbers.status();
+  if (numbers->size() != 9) {
+    return CountError("--receiver", numbers->size(), "9: origin edge_u edge_v");
+  }
+  receivers.push_back({Vec3At(*numbers, 0), Vec3At(*numbers, 3), Vec3At(*numbers, 6)});
+  return absl::OkStatus();
+}
+
+absl::StatusOr<GridSize> ReadTexels(std::string_view option, std::string_view text) {
+  return ParseSize(option, text, SceneLimits{}.max_receiver_side);
+}
+
+absl::StatusOr<GridSize> ReadPixels(std::string_view option, std::string_view text) {
+  return ParseSize(option, text, kMaxPictureSide);
+}
+
+absl::StatusOr<Vec3> ReadReflectance(std::string_view option, std::string_view text) {
+  return ReadColor(option, text, 1.0f);
+}
+
+absl::Status SetAmbient(std::string_view text, std::optional<Vec3>& ambient) {
+  const auto color = ReadColor("--ambient", text, std::numeric_limits<float>::max());
+  if (color.ok()) ambient = *color;
+  return color.status();
+}
+
+absl::Status SetExposure(std::string_view text, std::optional<float>& exposure) {
+  const auto numbers = ParseNumbers("--exposure", text);
+  if (!numbers.ok()) return numbers.status();
+  if (numbers->size() != 1 || !((*numbers)[0] > 0.0f)) {
+    return RangeError("--exposure", text, "one number above 0");
+  }
+  exposure = (*numbers)[0];
+  return absl::OkStatus();
+}
+
+absl::Status SetCamera(std::string_view text, std::optional<Camera>& camera) {
+  const auto numbers = ParseNumbers("--camera", text);
+  if (!numbers.ok()) return numbers.status();
+  const size_t count = numbers->size();
+  if (count != 6 && count != 7 && count != 9 && count != 10) {
+    return CountError("--camera", count, "6, 7, 9 or 10: eye target [up] [fov_deg]");
+  }
+  Camera choice{.eye = Vec3At(*numbers, 0), .target = Vec3At(*numbers, 3)};
+  if (count >= 9) choice.up = Vec3At(*numbers, 6);
+  if (count == 7 || count == 10) choice.fov_y_deg = numbers->back();
+  if (choice.target == choice.eye)
+    return RangeError("--camera", text, "a target apart from the eye");
+  if (choice.up == Vec3(0.0f)) return RangeError("--camera", text, "an up that is not 0");
+  if (!(choice.fov_y_deg > 0.0f && choice.fov_y_deg < 180.0f)) {
+    return RangeError("--camera", text, "a field of view above 0 and below 180 degrees");
+  }
+  camera = choice;
+  return absl::OkStatus();
+}
+
+}  // namespace penumbra

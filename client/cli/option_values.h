@@ -1,0 +1,36 @@
+// The values of single options, read from text. Errors are kInvalidArgument with the option as the
+// field path.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/cli/commands.h"
+#include "client/cli/light_option.h"
+
+namespace penumbra {
+
+// The parameters, at their defaults, of the technique called `text`.
+absl::StatusOr<TechniqueParams> ReadTechnique(std::string_view option, std::string_view text);
+absl::Status SetSamples(TechniqueParams& params, std::string_view text);
+absl::Status SetSeed(TechniqueParams& params, std::string_view text);
+
+// Ids are the option's, with "-2", "-3", … after the first of its kind.
+absl::Status AddLight(const LightOption& option, std::string_view text,
+                      std::vector<AreaLight>& lights);
+absl::Status AddReceiver(std::string_view text, std::vector<Parallelogram>& receivers);
+
+absl::StatusOr<GridSize> ReadTexels(std::string_view option, std::string_view text);
+absl::StatusOr<GridSize> ReadPixels(std::string_view option, std::string_view text);
+
+// Three numbers, or one for all three.
+absl::Status SetAmbient(std::string_view text, std::optional<Vec3>& ambient);          // ≥ 0
+absl::StatusOr<Vec3> ReadReflectance(std::string_view option, std::string_view text);  // in [0, 1]
+
+absl::Status SetExposure(std::string_view text, std::optional<float>& exposure);  // > 0
+absl::Status SetCamera(std::string_view text, std::optional<Camera>& camera);
+
+}  // namespace penumbra

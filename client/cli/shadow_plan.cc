@@ -1,0 +1,149 @@
+#include "client/cli/shadow_plan.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client/cli/option_error.h"
+#include "render/scene/unoccluded_light.h"
+
+namespace penumbra {
+namespace {
+
+// Enough of a list to find a spelling mistake by, still one line.
+constexpr size_t kMaxIdsInError = 12;
+
+template <typename T>
+bool HasId(const std::vector<T>& objects, std::string_view id) {
+  return std::ranges::any_of(objects, [id](const T& object) { return object.id == id; });
+}
+
+template <typename T>
+const T* FindById(const std::vector<T>& objects, std::string_view id) {
+  const auto found = std::ranges::find_if(objects, [id](const T& o) { return o.id == id; });
+  return found == objects.end() ? nullptr : &*found;
+}
+
+template <typename T>
+std::string UniqueId(const std::vector<T>& taken, const std::string& wanted) {
+  std::string id = wanted;
+  for (int number = 2; HasId(taken, id); ++number) id = absl::StrCat(wanted, "-", number);
+  return id;
+}
+
+template <typename T>
+absl::Status UnknownIdError(std::string_view option, std::string_view id,
+                            const std::vector<T>& known) {
+  std::vector<std::string> ids;
+  for (const T& object : known) ids.push_back(object.id);
+  const size_t count = ids.size();
+  if (count > kMaxIdsInError) ids.resize(kMaxIdsInError);
+  const std::string need = count == 0 ? ", but the scene has none"
+                                      : absl::StrCat(", need one of: ", absl::StrJoin(ids, ", "),
+                                                     count > kMaxIdsInError ? ", …" : "");
+  const absl::Status status = OptionError(option, "UNKNOWN_ID", {id}, need);
+  return absl::NotFoundError(status.message());
+}
+
+absl::Status PlanLights(const ImportedScene& imported, const ShadowRequest& request,
+                        ShadowPlan& plan) {
+  std::vector<AreaLight>& used = plan.delta.upsert_lights;
+  for (const std::string& id : request.light_ids) {
+    const AreaLight* light = FindById(imported.lights, id);
+    if (light == nullptr) return UnknownIdError("--light", id, imported.lights);
+    if (!HasId(used, id)) used.push_back(*light);
+  }
+  for (AreaLight light : request.lights) {
+    light.id = UniqueId(used, light.id);
+    used.push_back(std::move(light));
+  }
+  if (used.empty()) used = imported.lights;
+  if (used.empty()) {
+    used.push_back(LightAbove(Bounds(imported)));
+    plan.notes.push_back("the scene has no lights: a rectangle above it shines down");
+  }
+  for (const AreaLight& light : used) plan.light_ids.push_back(light.id);
+  return absl::OkStatus();
+}
+
+absl::Status PlanReceivers(const ImportedScene& imported, const ShadowRequest& request,
+                           ShadowPlan& plan) {
+  std::vector<Receiver>& used = plan.delta.upsert_receivers;
+  const auto add = [&](const std::string& id, auto shape, bool two_sided) {
+    used.push_back({.id = UniqueId(used, id),
+                    .shape = std::move(shape),
+                    .width = request.texels.width,
+                    .height = request.texels.height,
+                    .two_sided = two_sided,
+                    .reflectance = request.reflectance});
+  };
+  if (request.floor) add("floor", FloorUnder(Bounds(imported)), false);
+  for (const Parallelogram& patch : request.receivers) add("receiver", patch, true);
+  for (const std::string& id : request.receiver_instances) {
+    if (!HasId(imported.instances, id)) {
+      return UnknownIdError("--receiver-instance", id, imported.instances);
+    }
+    add(id, PlanarInstance{id}, true);
+  }
+  for (const Receiver& receiver : used) plan.receiver_ids.push_back(receiver.id);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<ShadowPlan> PlanShadows(const ImportedScene& imported,
+                                       const ShadowRequest& request) {
+  ShadowPlan plan;
+  plan.notes = imported.warnings;
+  plan.delta.upsert_instances = imported.instances;
+  if (absl::Status status = PlanLights(imported, request, plan); !status.ok()) return status;
+  if (absl::Status status = PlanReceivers(imported, request, plan); !status.ok()) return status;
+  return plan;
+}
+
+Parallelogram FloorUnder(const Aabb& bounds) {
+  if (bounds.empty()) return FloorUnder({.min = Vec3(-0.5f, 0, -0.5f), .max = Vec3(0.5f, 0, 0.5f)});
+  const Vec3 extent = bounds.extent();
+  const float larger = std::max(extent.x, extent.z);
+  const float fallback = larger > 0.0f ? larger : 1.0f;
+  const float width = 3.0f * (extent.x > 0.0f ? extent.x : fallback);
+  const float depth = 3.0f * (extent.z > 0.0f ? extent.z : fallback);
+  const Vec3 center = bounds.center();
+  return {.origin = {center.x - 0.5f * width, bounds.min.y, center.z + 0.5f * depth},
+          .edge_u = {width, 0, 0},
+          .edge_v = {0, 0, -depth}};
+}
+
+AreaLight LightAbove(const Aabb& bounds) {
+  const Aabb box = bounds.empty() ? Aabb{.min = Vec3(-0.5f), .max = Vec3(0.5f)} : bounds;
+  const Vec3 extent = box.extent();
+  const float width = std::max({extent.x, extent.z, 0.5f * extent.y, 1e-3f});
+  const float side = 0.4f * width;
+  // Half the width above the top: shadows then reach past the objects, with wide penumbrae.
+  const Vec3 middle(box.center().x, box.max.y + 0.5f * width, box.center().z);
+  RectangleLight light{.corner = middle - Vec3(0.5f * side, 0, 0.5f * side),
+                       .edge_u = {side, 0, 0},
+                       .edge_v = {0, 0, side}};
+  const Vec3 below(middle.x, box.min.y, middle.z);
+  const float reflected = UnoccludedRadiance({"above", light}, below, Vec3(0, 1, 0)).x;
+  if (reflected > 0.0f) light.radiance = Vec3(1.0f / reflected);
+  return {.id = "above", .shape = light};
+}
+
+std::vector<std::string> LargestPlanarInstances(const ImportedScene& imported, size_t count) {
+  std::vector<std::pair<float, std::string>> found;
+  for (const Instance& instance : imported.instances) {
+    if (!instance.receives || instance.mesh == nullptr) continue;
+    const auto patch = BoundingParallelogram(instance);
+    if (!patch.ok()) continue;
+    found.emplace_back(glm::length(glm::cross(patch->edge_u, patch->edge_v)), instance.id);
+  }
+  std::ranges::stable_sort(found, std::greater<>(), &std::pair<float, std::string>::first);
+  if (found.size() > count) found.resize(count);
+  std::vector<std::string> ids;
+  for (auto& [area, id] : found) ids.push_back(std::move(id));
+  return ids;
+}
+
+}  // namespace penumbra

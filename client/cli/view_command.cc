@@ -1,0 +1,114 @@
+// penumbra view: receives textures as any client would, and draws with them.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/compute_shadow.h"
+#include "client/cli/draw_scene.h"
+#include "client/cli/open_engine.h"
+#include "client/cli/output_files.h"
+#include "client/cli/run_command.h"
+#include "client/cli/shadow_plan.h"
+#include "client/session/steady_clock.h"
+
+namespace penumbra {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Adds the scene's own flat surfaces where the request names none.
+ShadowRequest WithPlanarReceivers(ShadowRequest request, const ImportedScene& imported,
+                                  size_t count) {
+  if (!request.receivers.empty() || !request.receiver_instances.empty()) return request;
+  request.receiver_instances = LargestPlanarInstances(imported, count);
+  return request;
+}
+
+Json ToJson(const ViewCommand& command, size_t textures, const DrawnPicture& drawn) {
+  const Camera& camera = drawn.camera;
+  return {{"out", command.out.string()},
+          {"width", command.size.width},
+          {"height", command.size.height},
+          {"textures", textures},
+          {"camera",
+           {{"eye", {camera.eye.x, camera.eye.y, camera.eye.z}},
+            {"target", {camera.target.x, camera.target.y, camera.target.z}},
+            {"up", {camera.up.x, camera.up.y, camera.up.z}},
+            {"fov_y_deg", camera.fov_y_deg}}},
+          {"exposure", drawn.exposure},
+          {"renderer", drawn.renderer},
+          {"draw_ms", drawn.draw_ms}};
+}
+
+absl::StatusOr<Shadows> Receive(Engine& engine, const std::string& scene_id, const ShadowPlan& plan,
+                                const TechniqueParams& params, const Console& console,
+                                std::stop_token stop) {
+  Shadows shadows;
+  ProgressLine progress(console);
+  for (const std::string& receiver_id : plan.receiver_ids) {
+    for (const std::string& light_id : plan.light_ids) {
+      const std::string label = absl::StrCat(receiver_id, " in the light of ", light_id);
+      const double start_ms = NowMs();
+      auto artifact =
+          ComputeShadow(engine, scene_id, {params, light_id, receiver_id}, label, progress, stop);
+      if (!artifact.ok()) return artifact.status();
+      progress.Finish(absl::StrFormat("%s: %.1f ms", label, NowMs() - start_ms));
+      shadows.push_back(*std::move(artifact));
+    }
+  }
+  return shadows;
+}
+
+}  // namespace
+
+absl::Status Run(const ViewCommand& command, const Console& console, std::stop_token stop) {
+  const auto imported = ImportScene(command.request.scene);
+  if (!imported.ok()) return imported.status();
+  const ShadowRequest request =
+      WithPlanarReceivers(command.request, *imported, command.max_planar_receivers);
+  const auto plan = PlanShadows(*imported, request);
+  if (!plan.ok()) return plan.status();
+  for (const std::string& note : plan->notes) console.Note(note);
+  if (plan->receiver_ids.empty()) {
+    console.Note("no flat instance receives: nothing will be in shadow; try --floor");
+  }
+  absl::Status status = CheckPicturePath(command.out);
+  if (status.ok()) status = PrepareOutputFile(command.out);
+  if (!status.ok()) return status;
+
+  const auto engine = OpenEngine(command.engine);
+  if (!engine.ok()) return engine.status();
+  const auto temporary = TemporaryScene::Create(**engine, "view");
+  if (!temporary.ok()) return temporary.status();
+  const auto revision = (*engine)->Commit(temporary->id(), plan->delta);
+  if (!revision.ok()) return revision.status();
+  const auto shadows = Receive(**engine, temporary->id(), *plan, request.params, console, stop);
+  if (!shadows.ok()) return shadows.status();
+  const auto scene = (*engine)->Snapshot(temporary->id());
+  if (!scene.ok()) return scene.status();
+
+  const DrawRequest draw{
+      .size = command.size,
+      .camera = command.camera.value_or(ChooseCamera(*imported, request.floor, command.size)),
+      .ambient = command.ambient,
+      .exposure = command.exposure,
+      .culls_back_faces = command.culls_back_faces};
+  auto pencil = Pencil::Create();
+  if (!pencil.ok()) return pencil.status();
+  const auto drawn = (*pencil)->Draw(**scene, *shadows, draw, command.out);
+  if (!drawn.ok()) return drawn.status();
+  if (command.json) {
+    console.out << ToJson(command, shadows->size(), *drawn).dump(2) << '\n';
+  } else {
+    console.out << absl::StrFormat("wrote %s with %d textures, drawn in %.1f ms by %s\n",
+                                   command.out.string(), shadows->size(), drawn->draw_ms,
+                                   drawn->renderer);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,147 @@
+// penumbra watch: prints each update of a server's scene.
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/option_error.h"
+#include "client/cli/run_command.h"
+#include "client/session/remote_engine.h"
+#include "client/session/steady_clock.h"
+
+namespace penumbra {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What is printed, from the callbacks' threads, and when it has been enough.
+class UpdatePrinter {
+ public:
+  UpdatePrinter(const WatchCommand& command, const Console& console)
+      : command_(command), console_(console), start_ms_(NowMs()) {}
+
+  void Print(const ArtifactSpec& spec, const ArtifactUpdate& update, const UpdateTraffic& traffic);
+  // Waits until nothing more is to be printed.
+  absl::Status Wait(std::stop_token stop);
+
+ private:
+  std::string Line(const ArtifactSpec& spec, const ArtifactUpdate& update,
+                   const UpdateTraffic& traffic, double latency_ms) const;
+
+  const WatchCommand& command_;
+  const Console& console_;
+  const double start_ms_;
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  uint64_t count_ = 0;
+  absl::Status ended_;
+};
+
+std::string UpdatePrinter::Line(const ArtifactSpec& spec, const ArtifactUpdate& update,
+                                const UpdateTraffic& traffic, double latency_ms) const {
+  const double at_s = 1e-3 * (traffic.received_ms - start_ms_);
+  const ArtifactHeader* header = update.artifact ? &update.artifact->header : nullptr;
+  if (command_.json) {
+    Json json = {{"at_s", at_s},
+                 {"revision", update.revision},
+                 {"light", spec.light_id},
+                 {"receiver", spec.receiver_id},
+                 {"bytes", traffic.bytes},
+                 {"messages", traffic.messages},
+                 {"latency_ms", latency_ms}};
+    if (header != nullptr) {
+      json["pass"] = header->pass;
+      json["is_final"] = header->is_final;
+      json["computed_revision"] = header->revision;
+      json["samples"] = header->light_samples.size();
+      json["timings_ms"] = header->timings_ms;
+    } else {
+      json["error"] = std::string(update.status.message());
+    }
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+  const std::string what =
+      header == nullptr
+          ? OneLine(std::string(update.status.message()))
+          : absl::StrFormat("pass %d%s, %d samples", header->pass,
+                            header->is_final ? " (final)" : "", header->light_samples.size());
+  return absl::StrFormat("%8.3f s  revision %d  %s.%s  %s, %d bytes, latency %.2f ms", at_s,
+                         update.revision, spec.receiver_id, spec.light_id, what, traffic.bytes,
+                         latency_ms);
+}
+
+void UpdatePrinter::Print(const ArtifactSpec& spec, const ArtifactUpdate& update,
+                          const UpdateTraffic& traffic) {
+  std::lock_guard lock(mutex_);
+  if (absl::IsUnavailable(update.status)) ended_.Update(update.status);
+  const bool is_over = command_.max_updates > 0 && count_ >= command_.max_updates;
+  if (is_over || !ended_.ok()) {
+    changed_.notify_all();
+    return;
+  }
+  const double latency_ms = traffic.received_ms - traffic.since_ms;
+  console_.out << Line(spec, update, traffic, latency_ms) << std::endl;
+  ++count_;
+  changed_.notify_all();
+}
+
+absl::Status UpdatePrinter::Wait(std::stop_token stop) {
+  std::unique_lock lock(mutex_);
+  const auto is_over = [this] {
+    return !ended_.ok() || (command_.max_updates > 0 && count_ >= command_.max_updates);
+  };
+  if (command_.max_seconds > 0.0) {
+    const std::chrono::duration<double> longest(std::min(command_.max_seconds, 1e8));
+    changed_.wait_for(lock, stop, longest, is_over);
+  } else {
+    changed_.wait(lock, stop, is_over);
+  }
+  return ended_;
+}
+
+template <typename T>
+std::vector<std::string> IdsOf(const Scene::Table<T>& table) {
+  std::vector<std::string> ids;
+  for (const auto& [id, object] : table) ids.push_back(id);
+  return ids;
+}
+
+}  // namespace
+
+absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
+  const auto engine = RemoteEngine::Connect({.address = command.engine.server});
+  if (!engine.ok()) return engine.status();
+  const auto scene = (*engine)->Snapshot(command.scene_id);
+  if (!scene.ok()) return scene.status();
+  const auto lights = command.light_ids.empty() ? IdsOf((*scene)->lights()) : command.light_ids;
+  const auto receivers =
+      command.receiver_ids.empty() ? IdsOf((*scene)->receivers()) : command.receiver_ids;
+  if (lights.empty() || receivers.empty()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("scene ", command.scene_id, ": found ", lights.size(), " lights and ",
+                     receivers.size(), " receivers, need one of each"));
+  }
+
+  UpdatePrinter printer(command, console);
+  std::vector<std::unique_ptr<Subscription>> subscriptions;
+  for (const std::string& receiver_id : receivers) {
+    for (const std::string& light_id : lights) {
+      const ArtifactSpec spec{command.params, light_id, receiver_id};
+      auto subscription = (*engine)->SubscribeMeasured(
+          command.scene_id, spec,
+          [&printer, spec](const ArtifactUpdate& update, const UpdateTraffic& traffic) {
+            printer.Print(spec, update, traffic);
+          });
+      if (!subscription.ok()) return subscription.status();
+      subscriptions.push_back(*std::move(subscription));
+    }
+  }
+  return printer.Wait(stop);
+}
+
+}  // namespace penumbra
