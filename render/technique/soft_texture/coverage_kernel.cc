@@ -68,6 +68,15 @@ HWY_INLINE VU LowBits(VI k) {
   return hn::Sub(top, hn::Set(u, 1));
 }
 
+// The next whole number at or above `x`, for |x| < 2²²: adding 1.5 · 2²³ leaves the number in the lowest bits of the
+// mantissa. Highway's own conversion spends four more instructions on larger numbers.
+HWY_INLINE VI CeilToInt(VF x) {
+  const F f;
+  const I i;
+  const VF magic = hn::Set(f, 12582912.0f);
+  return hn::Sub(hn::BitCast(i, hn::Add(hn::Ceil(x), magic)), hn::BitCast(i, magic));
+}
+
 HWY_INLINE void DrawOne(const Batch& batch, size_t t, uint32_t first_row, uint32_t stride,
                         uint32_t* words) {
   const F f;
@@ -89,8 +98,8 @@ HWY_INLINE void DrawOne(const Batch& batch, size_t t, uint32_t first_row, uint32
     const VF long_x = hn::MulAdd(from_low, long_slope, x_low);
     const VF short_x = hn::IfThenElse(hn::Lt(y, y_middle), hn::MulAdd(from_low, lower_slope, x_low),
                                       hn::MulAdd(hn::Sub(y, y_middle), upper_slope, x_middle));
-    const VI left = hn::ConvertTo(i, hn::Ceil(hn::Min(long_x, short_x)));
-    const VI right_end = hn::ConvertTo(i, hn::Ceil(hn::Max(long_x, short_x)));
+    const VI left = CeilToInt(hn::Min(long_x, short_x));
+    const VI right_end = CeilToInt(hn::Max(long_x, short_x));
     const VI right = hn::IfThenElse(hn::Lt(row, hn::Set(i, row_end)), right_end, left);
     uint32_t* word = words + size_t{word_begin} * stride + (static_cast<uint32_t>(base) - first_row);
     for (uint32_t c = word_begin; c < word_end; ++c, word += stride) {
