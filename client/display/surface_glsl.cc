@@ -76,8 +76,8 @@ float Opacity() {
   return texelFetch(mask, min(texel, size - 1), 0).r;
 }
 
-// Whether this point lies on the receiver, and then what share of the light it gets.
-bool LookUp(uint code, vec3 face_normal, vec3 n, out float share) {
+// Whether this point lies on the receiver; only then `share` becomes what it gets of the light.
+bool LookUp(uint code, vec3 face_normal, vec3 n, inout float share) {
   Receiver receiver = receivers[code & ~$4u];
   vec2 at = UvOnReceiver(receiver, position);
   if ((code & $4u) == 0u) {
