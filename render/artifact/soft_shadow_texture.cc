@@ -1,8 +1,7 @@
 #include "render/artifact/soft_shadow_texture.h"
 
+#include "render/math/parallel_for.h"
 #include "render/scene/unoccluded_light.h"
-#include "tbb/blocked_range.h"
-#include "tbb/parallel_for.h"
 
 namespace penumbra {
 
@@ -21,10 +20,7 @@ RadianceTexture ReflectedRadiance(const SoftShadowTexture& texture) {
           receiver.reflectance * unoccluded * visibility.Fraction(i, j);
     }
   };
-  tbb::parallel_for(tbb::blocked_range<uint32_t>(0, visibility.height),
-                    [&](const tbb::blocked_range<uint32_t>& rows) {
-                      for (uint32_t j = rows.begin(); j < rows.end(); ++j) shade_row(j);
-                    });
+  ParallelFor(visibility.height, shade_row);
   return radiance;
 }
 

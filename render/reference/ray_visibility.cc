@@ -6,9 +6,9 @@
 #include <array>
 #include <limits>
 
+#include "render/math/parallel_for.h"
 #include "render/reference/occluder_triangles.h"
 #include "tbb/blocked_range2d.h"
-#include "tbb/parallel_for.h"
 
 namespace penumbra {
 namespace {
@@ -152,7 +152,7 @@ struct RayVisibility::Embree {
         }
       }
     };
-    arena.execute([&] { tbb::parallel_for(range, trace); });
+    RunIn(arena, [&] { ParallelForRange(range, trace); });
   }
 };
 

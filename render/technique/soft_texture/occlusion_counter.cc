@@ -5,8 +5,8 @@
 #include <bit>
 #include <optional>
 
+#include "render/math/parallel_for.h"
 #include "render/technique/soft_texture/hard_shadow.h"
-#include "tbb/parallel_for.h"
 
 namespace penumbra {
 namespace {
@@ -36,7 +36,7 @@ void AddCounts(std::span<const std::unique_ptr<Worker>> workers, const TexelWind
                uint16_t* counts) {
   constexpr uint32_t kRowsPerTask = 64;
   const uint32_t rows = window.row_end - window.row_begin;
-  tbb::parallel_for(uint32_t{0}, (rows + kRowsPerTask - 1) / kRowsPerTask, [&](uint32_t task) {
+  ParallelFor((rows + kRowsPerTask - 1) / kRowsPerTask, [&](uint32_t task) {
     const uint32_t end = std::min(rows, (task + 1) * kRowsPerTask);
     for (uint32_t row = task * kRowsPerTask; row < end; ++row) {
       uint16_t* row_counts = counts + size_t{row} * window.width;
@@ -88,8 +88,8 @@ absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::ta
     const TexelWindow window{receiver_.width, row, std::min(row + band_rows, receiver_.height)};
     std::vector<std::unique_ptr<Worker>> workers(worker_count);
     std::atomic<size_t> next{0};
-    arena.execute([&] {
-      tbb::parallel_for(0, worker_count, [&](int w) {
+    RunIn(arena, [&] {
+      ParallelFor(worker_count, [&](int w) {
         for (size_t j = next++; j < jobs.size() && !stop.stop_requested(); j = next++) {
           if (!workers[w]) {
             workers[w] = std::make_unique<Worker>(receiver_, window.row_end - window.row_begin,

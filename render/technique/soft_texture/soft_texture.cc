@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "render/math/parallel_for.h"
 #include "render/scene/field_error.h"
 #include "render/technique/soft_texture/occlusion_counter.h"
 
@@ -111,7 +112,7 @@ class Computation {
     for (uint16_t& count : texture.visibility.counts) count = static_cast<uint16_t>(done - count);
     if (ParamsOf(spec_).radiance) {
       const Stopwatch shading(context_.now_ms);
-      context_.arena.execute([&] { texture.radiance = ReflectedRadiance(texture); });
+      RunIn(context_.arena, [&] { texture.radiance = ReflectedRadiance(texture); });
       header_.timings_ms["shading"] = shading.ElapsedMs();
     }
     header_.light_samples.assign(samples_.begin(), samples_.begin() + done);
