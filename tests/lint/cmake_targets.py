@@ -8,6 +8,7 @@ from source_tree import files
 
 CALL = re.compile(r"\b([A-Za-z_]\w*)\s*\(([^()]*)\)")
 KEYWORDS = {"PUBLIC", "PRIVATE", "INTERFACE"}
+FROM_ROOT = "//"
 LISTS = {"SOURCES", "LINKS", "PRIVATE_LINKS", "LABELS", "TIMEOUT"}
 
 
@@ -43,7 +44,11 @@ def _read_call(targets, folder, command, words):
     else:
         target.links |= set(rest) - KEYWORDS
         sources = []
-    target.sources += [folder / source for source in sources if "$" not in source]
+    for source in sources:
+        if source.startswith(FROM_ROOT):
+            target.sources.append(pathlib.PurePath(source[len(FROM_ROOT):]))
+        elif "$" not in source:
+            target.sources.append(folder / source)
 
 
 def read_targets(root):
@@ -57,6 +62,7 @@ def read_targets(root):
         text = (pathlib.Path(root) / path).read_text()
         text = re.sub(r"#[^\n]*", "", text)
         text = re.sub(r"\bfunction\(.*?\bendfunction\(\)", "", text, flags=re.S)
+        text = text.replace("${PROJECT_SOURCE_DIR}/", FROM_ROOT)
         text = re.sub(r"\$\{\w+\}", "$", text)
         for command, arguments in CALL.findall(text):
             if command in commands:
