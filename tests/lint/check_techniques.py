@@ -2,8 +2,8 @@
 
     python3 tests/lint/check_techniques.py PENUMBRA [ROOT]
 
-The page of a technique has a section "Parameters" with a table whose rows begin with name, type,
-default and range: | `samples` | uint | 64 | 1 to 1024 | …
+The page of a technique has a table headed "parameter", with the columns type, default, range and
+more: | `samples` | uint | 64 | 1 to 1024 | …
 """
 
 import json
@@ -18,12 +18,12 @@ FOLDER = "docs/techniques"
 
 
 def rows(page):
-    """Name → (type, default, range) of the table under "Parameters"."""
-    section = re.split(r"^## Parameters\n", page, flags=re.M)[-1].split("\n## ", 1)[0]
+    """Name → (type, default, range) of the table that is headed "parameter"."""
     found = {}
-    for line in section.splitlines():
+    table = re.search(r"^\| parameter \|.*\n\| ---.*\n((?:\|.*\n)*)", page, re.M)
+    for line in table.group(1).splitlines() if table else []:
         cells = [cell.strip().strip("`") for cell in line.strip().strip("|").split("|")]
-        if line.startswith("| `") and len(cells) >= 4:
+        if len(cells) >= 4:
             found[cells[0]] = tuple(cells[1:4])
     return found
 

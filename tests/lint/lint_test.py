@@ -219,7 +219,8 @@ class TechniquesTest(TreeTest):
         (self.root / "penumbra").chmod(0o755)
 
     def found(self, table):
-        self.write("docs/techniques/soft.md", f"# soft\n\n## Parameters\n\n{table}\n## More\n")
+        head = "| parameter | type | default | range | meaning |\n| --- | --- | --- | --- | --- |\n"
+        self.write("docs/techniques/soft.md", f"# soft\n\n{head}{table}\n| `other` | table |\n")
         return check_techniques.check(self.root, self.root / "penumbra")
 
     def test_clean_tree(self):
