@@ -14,8 +14,8 @@ constexpr std::array<double, 5> kWeights = {0.29552422471475287, 0.2692667193099
                                             0.21908636251598204, 0.14945134915058059,
                                             0.06667134430868814};
 constexpr int kFirstIntervals = 4;
-// Halving this often reaches the rounding of the abscissae.
-constexpr int kMaxDepth = 40;
+// Around a kink the error falls with the square of the interval: 2^-26 is enough.
+constexpr int kMaxDepth = 26;
 
 double Gauss(const std::function<double(double)>& f, double a, double b) {
   const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
@@ -31,8 +31,8 @@ double Refine(const std::function<double(double)>& f, double a, double b, double
   const double middle = 0.5 * (a + b);
   const double left = Gauss(f, a, middle), right = Gauss(f, middle, b);
   if (depth >= kMaxDepth || std::abs(left + right - whole) <= tolerance) return left + right;
-  return Refine(f, a, middle, left, 0.5 * tolerance, depth + 1) +
-         Refine(f, middle, b, right, 0.5 * tolerance, depth + 1);
+  return Refine(f, a, middle, left, tolerance, depth + 1) +
+         Refine(f, middle, b, right, tolerance, depth + 1);
 }
 
 }  // namespace

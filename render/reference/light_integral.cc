@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kOuterTolerance = 1e-9;
-constexpr double kInnerTolerance = 1e-11;
+constexpr double kInnerTolerance = 1e-12;
 
 struct Surface {
   DVec3 point;

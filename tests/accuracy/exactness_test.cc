@@ -1,0 +1,58 @@
+#include "tests/accuracy/exactness.h"
+
+#include <cstdlib>
+#include <iostream>
+
+#include "gtest/gtest.h"
+#include "render/technique/technique.h"
+#include "tbb/global_control.h"
+#include "tests/accuracy/ledger.h"
+#include "tests/support/random_scene.h"
+
+namespace penumbra::testing {
+namespace {
+
+constexpr uint64_t kScenes = 100;
+
+Artifact Compute(const Scene& scene, uint32_t samples, int threads) {
+  const ArtifactSpec spec{.params = SoftTextureParams{.samples = samples, .seed = 3},
+                          .light_id = "light",
+                          .receiver_id = "receiver"};
+  tbb::task_arena arena(threads);
+  const ComputeContext context{.arena = arena};
+  return TechniqueFor(spec.params).Compute(scene, spec, context).value();
+}
+
+TEST(ExactnessTest, HundredRandomScenesAgreeWithRays) {
+  Exactness total;
+  for (uint64_t seed = 0; seed < kScenes; ++seed) {
+    const auto scene = RandomScene(seed);
+    const Exactness one = CompareWithRays(*scene, Compute(*scene, 16 + seed % 50, 2));
+    EXPECT_EQ(one.unexplained, 0u) << "scene " << seed << ", of " << one.texel_samples
+                                   << " texel-samples " << one.differing << " differ";
+    total.Add(one);
+  }
+  std::cout << "texel-samples " << total.texel_samples << ", occluded " << total.occluded
+            << ", differing " << total.differing << ", largest slack " << total.largest_slack_ulps
+            << " ulps\n";
+  EXPECT_GT(total.occluded, total.texel_samples / 10);
+  EXPECT_LT(total.occluded, total.texel_samples * 9 / 10);
+  ExpectInLedger("exactness.random.differing_fraction", total.differing_fraction());
+  ExpectInLedger("exactness.random.unexplained", static_cast<double>(total.unexplained));
+}
+
+TEST(ExactnessTest, TheSameBitsForAnyNumberOfThreads) {
+  const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
+  for (uint64_t seed = 0; seed < kScenes; seed += 3) {
+    const auto scene = RandomScene(seed);
+    const auto counts = [&](int threads) {
+      return std::get<SoftShadowTexture>(Compute(*scene, 40, threads).payload).visibility.counts;
+    };
+    const auto alone = counts(1);
+    EXPECT_EQ(alone, counts(2)) << "scene " << seed;
+    EXPECT_EQ(alone, counts(4)) << "scene " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace penumbra::testing

@@ -1,0 +1,66 @@
+// The closed forms of unoccluded light against integrals in double precision.
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "gtest/gtest.h"
+#include "render/reference/light_integral.h"
+#include "render/scene/unoccluded_light.h"
+#include "tests/accuracy/ledger.h"
+#include "tests/support/random_scene.h"
+
+namespace penumbra::testing {
+namespace {
+
+constexpr std::array<const char*, kLightKinds> kKinds = {"rectangle", "disk", "sphere",
+                                                         "point",     "spot", "distant"};
+
+// Below this part of what the light gives a surface that faces it, an error counts relative to that
+// part: hardly a sliver of the light is above the horizon there.
+constexpr double kDarkest = 1e-4;
+
+double Brightest(const AreaLight& light, Vec3 point) {
+  double most = 0;
+  Dice dice(99);
+  for (int k = 0; k < 20; ++k) {
+    const Vec3 normal = dice.Direction();
+    most = std::max(most, IntegratedRadiance(light, DVec3(point), DVec3(normal)).x);
+  }
+  return most;
+}
+
+class RadianceTest : public ::testing::TestWithParam<int> {};
+
+// Any place and normal around the light, so that many have the horizon through it.
+TEST_P(RadianceTest, AgreesWithTheIntegral) {
+  Dice dice(1000 + GetParam());
+  double worst = 0;
+  int lit = 0;
+  for (int trial = 0; trial < 120; ++trial) {
+    const AreaLight light = RandomLight(dice, GetParam());
+    const Vec3 point = dice.InCube(1), normal = dice.Direction();
+    if (const auto* sphere = std::get_if<SphereLight>(&light.shape)) {
+      if (glm::distance(sphere->center, point) < 1.01f * sphere->radius) continue;
+    }
+    const DVec3 expected = IntegratedRadiance(light, DVec3(point), DVec3(normal));
+    const DVec3 actual(UnoccludedRadiance(light, point, normal));
+    const double unit = std::max(expected.x, kDarkest * Brightest(light, point));
+    lit += expected.x > 0;
+    if (unit == 0) {
+      EXPECT_EQ(actual.x, 0);
+      continue;
+    }
+    for (int c = 0; c < 3; ++c) {
+      const double scale = unit * (expected.x > 0 ? expected[c] / expected.x : 1);
+      worst = std::max(worst, std::abs(actual[c] - expected[c]) / scale);
+    }
+  }
+  EXPECT_GT(lit, 30);
+  ExpectInLedger(std::string("radiance.") + kKinds[GetParam()] + ".relative_error", worst);
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryLight, RadianceTest, ::testing::Range(0, kLightKinds),
+                         [](const auto& test) { return std::string(kKinds[test.param]); });
+
+}  // namespace
+}  // namespace penumbra::testing
