@@ -20,12 +20,14 @@ uniform mat4 clip_from_mesh;
 uniform mat4 world_from_mesh;
 uniform mat4 world_from_mesh_normal;
 uniform float depth_scale;  // above 1 brings the surface nearer in depth, not in place
-centroid out vec3 position;
+out vec3 position_at_center;
+centroid out vec3 position_inside;
 centroid out vec3 vertex_normal;
 centroid out vec2 uv;
 
 void main() {
-  position = (world_from_mesh * vec4(position_mesh, 1.0)).xyz;
+  position_at_center = (world_from_mesh * vec4(position_mesh, 1.0)).xyz;
+  position_inside = position_at_center;
   vertex_normal = mat3(world_from_mesh_normal) * normal_mesh;
   uv = uv_mesh;
   gl_Position = clip_from_mesh * vec4(position_mesh, 1.0);
@@ -39,14 +41,23 @@ layout(std430, binding = $0) readonly buffer FaceNormals { float face_normals[];
 uniform mat4 world_from_mesh_normal;
 uniform bool has_face_normals;
 uniform vec3 eye;
-centroid in vec3 position;
+in vec3 position_at_center;
+centroid in vec3 position_inside;
 centroid in vec3 vertex_normal;
 centroid in vec2 uv;
 layout(location = 0) out vec4 pixel;
 
+// Where the face is lit: at the pixel's centre, so that the faces which share a pixel agree; but not where
+// the face, seen almost edge on, runs far off before it gets there.
+vec3 Position() {
+  const float far_off = 0.01;  // of the distance from the eye; some ten pixels
+  bool is_near = distance(position_at_center, position_inside) <= far_off * distance(eye, position_inside);
+  return is_near ? position_at_center : position_inside;
+}
+
 // Of the side that the triangle's winding makes its front.
 vec3 FaceNormal() {
-  if (!has_face_normals) return normalize(cross(dFdx(position), dFdy(position)));
+  if (!has_face_normals) return normalize(cross(dFdx(position_at_center), dFdy(position_at_center)));
   int first = 3 * gl_PrimitiveID;
   vec3 n = vec3(face_normals[first], face_normals[first + 1], face_normals[first + 2]);
   return normalize(mat3(world_from_mesh_normal) * n);
@@ -77,29 +88,29 @@ float Opacity() {
 }
 
 // Whether this point lies on the receiver; only then `share` becomes what it gets of the light.
-bool LookUp(uint code, vec3 face_normal, vec3 n, inout float share) {
+bool LookUp(uint code, vec3 position, vec3 face_normal, vec3 n, inout float share) {
   Receiver receiver = receivers[code & ~$4u];
-  vec2 at = UvOnReceiver(receiver, position);
   if ((code & $4u) == 0u) {
-    float height = dot(receiver.normal.xyz, position - receiver.origin.xyz);
+    vec2 at = UvOnReceiver(receiver, position_inside);
+    float height = dot(receiver.normal.xyz, position_inside - receiver.origin.xyz);
     const float rim = 1e-4;  // of the receiver's edge, for rounding
     bool is_on = abs(height) <= receiver.origin.w && abs(dot(face_normal, receiver.normal.xyz)) > 0.999 &&
                  all(greaterThanEqual(at, vec2(-rim))) && all(lessThanEqual(at, vec2(1.0 + rim)));
     if (!is_on) return false;
   }
   bool from_behind = dot(n, receiver.normal.xyz) < 0.0;
-  share = from_behind && receiver.normal.w == 0.0 ? 0.0 : SmoothVisibility(receiver, at);
+  share = from_behind && receiver.normal.w == 0.0 ? 0.0 : SmoothVisibility(receiver, UvOnReceiver(receiver, position));
   return true;
 }
 
-vec3 Shade(vec3 face_normal, vec3 n) {
+vec3 Shade(vec3 position, vec3 face_normal, vec3 n) {
   vec3 sum = ambient;
   uint next = first_candidate;
   for (int i = 0; i < light_count; ++i) {
     float share = 1.0;
     bool is_found = false;
     for (; next < end_candidate && candidates[next].x == uint(i); ++next) {
-      if (!is_found) is_found = LookUp(candidates[next].y, face_normal, n, share);
+      if (!is_found) is_found = LookUp(candidates[next].y, position, face_normal, n, share);
     }
     if (share > 0.0) sum += share * UnoccludedRadiance(lights[i], position, n);
   }
@@ -109,7 +120,7 @@ vec3 Shade(vec3 face_normal, vec3 n) {
 void main() {
   if (has_mask && Opacity() < alpha_cutoff) discard;
   vec3 face_normal = FaceNormal();
-  bool from_behind = dot(face_normal, eye - position) < 0.0;
+  bool from_behind = dot(face_normal, eye - position_inside) < 0.0;
   if (from_behind && culls_back_faces) discard;
   if (from_behind) face_normal = -face_normal;
   vec3 n = face_normal;
@@ -117,7 +128,7 @@ void main() {
     n = normalize(vertex_normal);
     if (dot(n, face_normal) < 0.0) n = -n;
   }
-  pixel = vec4(min(Shade(face_normal, n), vec3(clip_radiance)), 1.0);
+  pixel = vec4(min(Shade(Position(), face_normal, n), vec3(clip_radiance)), 1.0);
 }
 )glsl";
 
@@ -128,7 +139,7 @@ uniform bool two_sided;
 
 void main() {
   // From behind a light that shines one way one looks past it.
-  if (!two_sided && dot(FaceNormal(), eye - position) < 0.0) discard;
+  if (!two_sided && dot(FaceNormal(), eye - position_inside) < 0.0) discard;
   pixel = vec4(min(radiance, vec3(clip_radiance)), 1.0);
 }
 )glsl";

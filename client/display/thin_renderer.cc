@@ -10,6 +10,7 @@
 #include "client/display/count_pool.h"
 #include "client/display/draw_list.h"
 #include "client/display/gpu_mesh.h"
+#include "client/display/picture_tile.h"
 #include "client/display/surface_glsl.h"
 #include "render/gl/draw.h"
 #include "render/gl/framebuffer.h"
@@ -63,63 +64,9 @@ Mat4 NormalMatrix(const Affine& m) {
               Vec4(Vec3(scale * columns[2]), 0), Vec4(0, 0, 0, 1));
 }
 
-// Whether all of `box` lies outside one side of the view.
-bool IsOutside(const DMat4& clip_from_world, const Aabb& box) {
-  bool left = true, right = true, below = true, above = true, behind = true;
-  for (int corner = 0; corner < 8; ++corner) {
-    const DVec4 p = clip_from_world * DVec4((corner & 1) ? box.max.x : box.min.x,
-                                            (corner & 2) ? box.max.y : box.min.y,
-                                            (corner & 4) ? box.max.z : box.min.z, 1.0);
-    left &= p.x < -p.w;
-    right &= p.x > p.w;
-    below &= p.y < -p.w;
-    above &= p.y > p.w;
-    behind &= p.w <= 0;
-  }
-  return left || right || below || above || behind;
-}
-
 template <typename T>
 absl::StatusOr<gl::Buffer> Upload(gl::Context& context, const std::vector<T>& values) {
   return gl::Buffer::Create(context, std::as_bytes(std::span(values)));
-}
-
-// A rectangle of pixels, y counted from the top.
-struct Tile {
-  int x = 0, y = 0, width = 0, height = 0;
-};
-
-// The part of the view that `tile` shows, blown up to a square of `side` pixels.
-DMat4 TileFromClip(const Tile& tile, int side, const RenderOptions& options) {
-  const double x_scale = static_cast<double>(options.width) / side;
-  const double y_scale = static_cast<double>(options.height) / side;
-  // The tile's left and top edges go to −1 and 1.
-  const double left = 2.0 * tile.x / options.width - 1.0;
-  const double top = 1.0 - 2.0 * tile.y / options.height;
-  DMat4 m(1.0);
-  m[0][0] = x_scale;
-  m[1][1] = y_scale;
-  m[3][0] = -1.0 - x_scale * left;
-  m[3][1] = 1.0 - y_scale * top;
-  return m;
-}
-
-// Averages n × n shading samples, bottom row first, into each pixel of the tile.
-void Resolve(const std::vector<Vec4>& samples, int side, int n, const Tile& tile,
-             Picture& picture) {
-  const int row_length = side * n;
-  for (int y = 0; y < tile.height; ++y) {
-    for (int x = 0; x < tile.width; ++x) {
-      Vec4 sum(0);
-      for (int j = 0; j < n; ++j) {
-        const int row = row_length - 1 - (y * n + j);
-        const Vec4* first = &samples[static_cast<size_t>(row) * row_length + x * n];
-        for (int i = 0; i < n; ++i) sum += first[i];
-      }
-      picture.pixels[static_cast<size_t>(tile.y + y) * picture.width + tile.x + x] =
-          sum / static_cast<float>(n * n);
-    }
-  }
 }
 
 }  // namespace
@@ -254,7 +201,7 @@ absl::StatusOr<Picture> ThinRenderer::Impl::Render(
   if (!frame.ok()) return frame.status();
   SetFrame(context, list, camera, options);
   const int n = options.samples_per_side;
-  const int side = kTileSide / n;  // pixels
+  const int side = std::min(kTileSide / n, std::max(options.width, options.height));  // pixels
   if (absl::Status status = EnsureTarget(context, side * n); !status.ok()) return status;
   const double aspect = static_cast<double>(options.width) / options.height;
   const DMat4 clip_from_world = ClipFromWorld(camera, aspect);
@@ -263,9 +210,13 @@ absl::StatusOr<Picture> ThinRenderer::Impl::Render(
   picture.pixels.resize(static_cast<size_t>(options.width) * options.height);
   for (int y = 0; y < options.height; y += side) {
     for (int x = 0; x < options.width; x += side) {
-      const Tile tile = {x, y, std::min(side, options.width - x),
-                         std::min(side, options.height - y)};
-      const DMat4 tile_from_world = TileFromClip(tile, side, options) * clip_from_world;
+      const PictureTile tile = {.x = x,
+                                .y = y,
+                                .width = std::min(side, options.width - x),
+                                .height = std::min(side, options.height - y),
+                                .side = side};
+      const DMat4 tile_from_world =
+          TileFromClip(tile, options.width, options.height) * clip_from_world;
       target_->Clear(context, Vec4(0));
       for (const DrawItem& item : list.items) {
         if (IsOutside(tile_from_world, item.bounds)) continue;
@@ -275,7 +226,7 @@ absl::StatusOr<Picture> ThinRenderer::Impl::Render(
       }
       const auto samples = target_->ReadPixels(context);
       if (!samples.ok()) return samples.status();
-      Resolve(*samples, side, n, tile, picture);
+      ResolveTile(*samples, n, tile, picture);
     }
   }
   meshes_.EndFrame();
