@@ -14,8 +14,8 @@ constexpr std::array<double, 5> kWeights = {0.29552422471475287, 0.2692667193099
                                             0.21908636251598204, 0.14945134915058059,
                                             0.06667134430868814};
 constexpr int kFirstIntervals = 4;
-// Around a kink the error falls with the square of the interval: 2^-26 is enough.
-constexpr int kMaxDepth = 26;
+// Below this the abscissae's rounding is all that halving finds.
+constexpr int kMaxDepth = 12;
 
 double Gauss(const std::function<double(double)>& f, double a, double b) {
   const double middle = 0.5 * (a + b), half = 0.5 * (b - a);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "render/reference/adaptive_integral.h"
 
@@ -22,9 +24,21 @@ struct Surface {
 template <typename Integrand>
 double IntegrateWherePositive(const Integrand& g, double a, double b, double h_a, double h_b) {
   if (h_a <= 0 && h_b <= 0) return 0;
-  if (h_a < 0) a += (b - a) * (h_a / (h_a - h_b));
-  if (h_b < 0) b -= (b - a) * (h_b / (h_b - h_a));
+  const double crossing = a + (b - a) * (h_a / (h_a - h_b));
+  if (h_a < 0) return AdaptiveIntegral(g, crossing, b, kInnerTolerance);
+  if (h_b < 0) return AdaptiveIntegral(g, a, crossing, kInnerTolerance);
   return AdaptiveIntegral(g, a, b, kInnerTolerance);
+}
+
+// ∫ f(x) dx from the least to the greatest of `cuts`, each stretch between neighbours for itself.
+template <typename Integrand>
+double IntegrateInStretches(const Integrand& f, std::vector<double> cuts) {
+  std::sort(cuts.begin(), cuts.end());
+  double sum = 0;
+  for (size_t i = 1; i < cuts.size(); ++i) {
+    sum += AdaptiveIntegral(f, cuts[i - 1], cuts[i], kOuterTolerance);
+  }
+  return sum;
 }
 
 // cos θ cos θ' / r² at the light's point `x`, whose unit normal is `front`.
@@ -66,7 +80,14 @@ double Integrate(const RectangleLight& light, const Surface& surface) {
     return IntegrateWherePositive(kernel, 0, 1, glm::dot(surface.normal, from - surface.point),
                                   glm::dot(surface.normal, from + v - surface.point));
   };
-  return area * AdaptiveIntegral(strip, 0, 1, kOuterTolerance);
+  // The horizon crosses the edges t = 0 and t = 1 at one s each.
+  std::vector<double> cuts = {0, 1};
+  for (const DVec3 start : {corner, corner + v}) {
+    const double h_0 = glm::dot(surface.normal, start - surface.point);
+    const double h_1 = h_0 + glm::dot(surface.normal, u);
+    if (h_0 * h_1 < 0) cuts.push_back(h_0 / (h_0 - h_1));
+  }
+  return area * IntegrateInStretches(strip, std::move(cuts));
 }
 
 double Integrate(const DiskLight& light, const Surface& surface) {
@@ -83,7 +104,15 @@ double Integrate(const DiskLight& light, const Surface& surface) {
     return IntegrateWherePositive(kernel, 0, radius, glm::dot(surface.normal, to_center),
                                   glm::dot(surface.normal, to_center + radius * out));
   };
-  return AdaptiveIntegral(spoke, 0, 2 * kPi, kOuterTolerance);
+  // On the rim, cos θ's numerator is A + B cos(azimuth − highest); the horizon crosses it twice.
+  const double a = glm::dot(surface.normal, center - surface.point);
+  const double b_u = glm::dot(surface.normal, u), b_v = glm::dot(surface.normal, v);
+  const double b = radius * std::hypot(b_u, b_v), highest = std::atan2(b_v, b_u);
+  if (a <= -b) return 0;
+  if (a >= b) return IntegrateInStretches(spoke, {0, 2 * kPi});
+  const double crossing = std::acos(-a / b);
+  return IntegrateInStretches(
+      spoke, {highest - crossing, highest, highest + crossing, highest + 2 * kPi - crossing});
 }
 
 double Integrate(const SphereLight& light, const Surface& surface) {

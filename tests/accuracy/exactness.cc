@@ -15,7 +15,7 @@ namespace {
 // Rounding that a correct single-precision computation may show: this many units in the last place
 // of the largest coordinate. Vertices are rounded once in the world and once relative to the
 // receiver, and an edge of a triangle is drawn from products of those.
-constexpr double kToleranceUlps = 64;
+constexpr double kToleranceUlps = 8;
 
 double LargestCoordinate(DVec3 p) {
   const DVec3 a = glm::abs(p);

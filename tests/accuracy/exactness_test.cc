@@ -41,6 +41,22 @@ TEST(ExactnessTest, HundredRandomScenesAgreeWithRays) {
   ExpectInLedger("exactness.random.unexplained", static_cast<double>(total.unexplained));
 }
 
+// What would a wrong count look like? Almost every one is seen to be wrong.
+TEST(ExactnessTest, WrongCountsAreNotExplainedAway) {
+  uint64_t changed = 0, unexplained = 0;
+  for (uint64_t seed = 0; seed < 12; ++seed) {
+    const auto scene = RandomScene(seed);
+    Artifact artifact = Compute(*scene, 16, 2);
+    auto& counts = std::get<SoftShadowTexture>(artifact.payload).visibility.counts;
+    for (size_t t = 0; t < counts.size(); t += 1 + counts.size() / 20) {
+      counts[t] += counts[t] > 0 ? -1 : 1;
+      ++changed;
+    }
+    unexplained += CompareWithRays(*scene, artifact).unexplained;
+  }
+  EXPECT_GE(unexplained, changed * 99 / 100);
+}
+
 TEST(ExactnessTest, TheSameBitsForAnyNumberOfThreads) {
   const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
   for (uint64_t seed = 0; seed < kScenes; seed += 3) {
