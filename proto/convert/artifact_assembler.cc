@@ -28,8 +28,7 @@ bool CopyTexels(const Artifact& from, Artifact& to) {
       before.radiance.has_value() != after.radiance.has_value()) {
     return false;
   }
-  after.visibility.counts = before.visibility.counts;
-  if (after.radiance) after.radiance->texels = before.radiance->texels;
+  CopyTiles(before, after);
   return true;
 }
 

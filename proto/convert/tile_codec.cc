@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <optional>
 #include <string>
 
 #include "render/scene/field_error.h"
@@ -20,10 +21,7 @@ static_assert(sizeof(Vec3) == 3 * sizeof(float));
 constexpr int kZstdLevel = 1;
 constexpr uint32_t kLargestByteCount = 255;
 
-struct Rect {
-  uint32_t x, y, width, height;
-  size_t texels() const { return size_t{width} * height; }
-};
+using Rect = TileRect;
 
 Rect RectOf(TileGrid grid, uint32_t column, uint32_t row) {
   const uint32_t x = column * kTileSide;
@@ -56,6 +54,26 @@ void GatherCounts(const VisibilityMap& map, Rect rect, size_t bytes_per_count,
       std::memcpy(out, row, rect.width * sizeof(uint16_t));
     }
     out += rect.width * bytes_per_count;
+  }
+}
+
+// How a tile in which all or none of the samples are visible is told; none for any other tile.
+std::optional<v1::Codec> UniformCodec(const VisibilityMap& map, Rect rect) {
+  const uint16_t first = map.counts[size_t{rect.y} * map.width + rect.x];
+  if (first != 0 && first != map.sample_count) return std::nullopt;
+  for (uint32_t j = 0; j < rect.height; ++j) {
+    const uint16_t* row = &map.counts[size_t{rect.y + j} * map.width + rect.x];
+    uint32_t differences = 0;
+    for (uint32_t i = 0; i < rect.width; ++i) differences |= static_cast<uint32_t>(row[i] ^ first);
+    if (differences != 0) return std::nullopt;
+  }
+  return first == 0 ? v1::CODEC_NONE_VISIBLE : v1::CODEC_ALL_VISIBLE;
+}
+
+void FillCounts(uint32_t count, Rect rect, VisibilityMap& map) {
+  for (uint32_t j = 0; j < rect.height; ++j) {
+    uint16_t* row = &map.counts[size_t{rect.y + j} * map.width + rect.x];
+    std::fill(row, row + rect.width, static_cast<uint16_t>(count));
   }
 }
 
@@ -95,8 +113,24 @@ bool TilesEqual(const SoftShadowTexture& a, const SoftShadowTexture& b, uint32_t
                 uint32_t row) {
   const Rect rect = RectOf(GridOf(a), column, row);
   const uint32_t stride = a.visibility.width;
-  return RowsEqual(a.visibility.counts, b.visibility.counts, stride, rect) &&
-         (!a.radiance || RowsEqual(a.radiance->texels, b.radiance->texels, stride, rect));
+  if (a.visibility.sample_count != b.visibility.sample_count) {
+    const auto uniform = UniformCodec(a.visibility, rect);
+    if (!uniform || uniform != UniformCodec(b.visibility, rect)) return false;
+  } else if (!RowsEqual(a.visibility.counts, b.visibility.counts, stride, rect)) {
+    return false;
+  }
+  return !a.radiance || RowsEqual(a.radiance->texels, b.radiance->texels, stride, rect);
+}
+
+void CopyTiles(const SoftShadowTexture& from, SoftShadowTexture& to) {
+  to.visibility.counts = from.visibility.counts;
+  if (to.radiance) to.radiance->texels = from.radiance->texels;
+  const uint32_t all_before = from.visibility.sample_count;
+  const uint32_t all = to.visibility.sample_count;
+  if (all == all_before) return;
+  for (uint16_t& count : to.visibility.counts) {
+    count = static_cast<uint16_t>(count == all_before ? all : 0);
+  }
 }
 
 TileEncoder::TileEncoder() : zstd_(ZSTD_createCCtx(), &ZSTD_freeCCtx) {}
@@ -106,8 +140,12 @@ v1::Tile TileEncoder::Encode(const SoftShadowTexture& texture, uint32_t column, 
   tile.set_column(column);
   tile.set_row(row);
   const Rect rect = RectOf(GridOf(texture), column, row);
-  GatherCounts(texture.visibility, rect, BytesPerCount(texture), plane_);
-  tile.set_counts_codec(Pack(*tile.mutable_counts()));
+  if (const auto uniform = UniformCodec(texture.visibility, rect)) {
+    tile.set_counts_codec(*uniform);
+  } else {
+    GatherCounts(texture.visibility, rect, BytesPerCount(texture), plane_);
+    tile.set_counts_codec(Pack(*tile.mutable_counts()));
+  }
   if (texture.radiance) {
     plane_.resize(rect.texels() * sizeof(Vec3));
     ForRowsOfRadiance(texture.visibility.width, rect, [&](size_t texel, size_t at, size_t bytes) {
@@ -142,15 +180,7 @@ absl::Status TileDecoder::Decode(const v1::Tile& tile, SoftShadowTexture& textur
                        std::to_string(grid.columns()) + " by " + std::to_string(grid.rows()));
   }
   const Rect rect = RectOf(grid, tile.column(), tile.row());
-  const size_t bytes_per_count = BytesPerCount(texture);
-  if (auto status = Unpack(tile.counts_codec(), tile.counts(), rect.texels() * bytes_per_count,
-                           "tile.counts");
-      !status.ok()) {
-    return status;
-  }
-  if (!ScatterCounts(plane_, rect, bytes_per_count, texture.visibility)) {
-    return Invalid("RANGE", "tile.counts", "found a count above the number of samples, need less");
-  }
+  if (auto status = DecodeCounts(tile, rect, texture); !status.ok()) return status;
   if (!texture.radiance) return absl::OkStatus();
   if (auto status = Unpack(tile.radiance_codec(), tile.radiance(), rect.texels() * sizeof(Vec3),
                            "tile.radiance");
@@ -161,6 +191,23 @@ absl::Status TileDecoder::Decode(const v1::Tile& tile, SoftShadowTexture& textur
     std::memcpy(&texture.radiance->texels[texel], &plane_[at], bytes);
   });
   return absl::OkStatus();
+}
+
+absl::Status TileDecoder::DecodeCounts(const v1::Tile& tile, const TileRect& rect,
+                                       SoftShadowTexture& texture) {
+  const bool all_visible = tile.counts_codec() == v1::CODEC_ALL_VISIBLE;
+  if (all_visible || tile.counts_codec() == v1::CODEC_NONE_VISIBLE) {
+    FillCounts(all_visible ? texture.visibility.sample_count : 0, rect, texture.visibility);
+    return absl::OkStatus();
+  }
+  const size_t bytes_per_count = BytesPerCount(texture);
+  if (auto status = Unpack(tile.counts_codec(), tile.counts(), rect.texels() * bytes_per_count,
+                           "tile.counts");
+      !status.ok()) {
+    return status;
+  }
+  if (ScatterCounts(plane_, rect, bytes_per_count, texture.visibility)) return absl::OkStatus();
+  return Invalid("RANGE", "tile.counts", "found a count above the number of samples, need less");
 }
 
 absl::Status TileDecoder::Unpack(v1::Codec codec, const std::string& packed, size_t size,

@@ -31,13 +31,24 @@ struct TileGrid {
   size_t tile_count() const { return size_t{columns()} * rows(); }
 };
 
+// The texels of a tile.
+struct TileRect {
+  uint32_t x, y, width, height;
+  size_t texels() const { return size_t{width} * height; }
+};
+
 inline TileGrid GridOf(const SoftShadowTexture& texture) {
   return {texture.visibility.width, texture.visibility.height};
 }
 
-// Whether two textures of one size, one sample count and the same planes agree in a tile.
+// Whether a tile means the same in two textures of one size with the same planes: the same texels,
+// or none visible in both, or all visible in both whatever the sample counts.
 bool TilesEqual(const SoftShadowTexture& a, const SoftShadowTexture& b, uint32_t column,
                 uint32_t row);
+
+// Takes over the texels of `from`, of the same size and planes. Where sample counts differ, tiles
+// that are all or none visible stay so, and others mean nothing.
+void CopyTiles(const SoftShadowTexture& from, SoftShadowTexture& to);
 
 // Keeps its compressor's memory from tile to tile. One thread at a time.
 class TileEncoder {
@@ -63,6 +74,7 @@ class TileDecoder {
   absl::Status Decode(const v1::Tile& tile, SoftShadowTexture& texture);
 
  private:
+  absl::Status DecodeCounts(const v1::Tile& tile, const TileRect& rect, SoftShadowTexture& texture);
   // Unpacks into `plane_`, which must come out `size` bytes long.
   absl::Status Unpack(v1::Codec codec, const std::string& packed, size_t size, const char* name);
 

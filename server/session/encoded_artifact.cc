@@ -14,10 +14,9 @@ grpc::Slice Bytes(const v1::ArtifactUpdate& fields) {
   return grpc::Slice(fields.SerializeAsString());
 }
 
-// Whether tiles of the two mean the same, texel by texel.
-bool HaveSameTiles(const SoftShadowTexture& a, const SoftShadowTexture& b) {
+// Whether the two can be compared tile by tile.
+bool HaveSameGrid(const SoftShadowTexture& a, const SoftShadowTexture& b) {
   return a.visibility.width == b.visibility.width && a.visibility.height == b.visibility.height &&
-         a.visibility.sample_count == b.visibility.sample_count &&
          a.radiance.has_value() == b.radiance.has_value();
 }
 
@@ -26,7 +25,7 @@ void EncodeTiles(const SoftShadowTexture& texture, const EncodedArtifact* previo
   const TileGrid grid = GridOf(texture);
   const auto* before =
       previous ? &std::get<SoftShadowTexture>(previous->artifact->payload) : nullptr;
-  if (before && !HaveSameTiles(*before, texture)) before = nullptr;
+  if (before && !HaveSameGrid(*before, texture)) before = nullptr;
   encoded.tiles.reserve(grid.tile_count());
   v1::ArtifactUpdate field;
   for (uint32_t row = 0; row < grid.rows(); ++row) {

@@ -114,8 +114,10 @@ v1::SessionResponse Session::MakeWelcome(const Scene& scene, uint32_t version) c
   welcome.set_server_name(kServerName);
   *welcome.mutable_limits() = ToProto(services_.limits);
   for (auto& technique : AllTechniqueInfos()) *welcome.add_techniques() = std::move(technique);
-  welcome.add_codecs(v1::CODEC_RAW);
-  welcome.add_codecs(v1::CODEC_ZSTD);
+  for (const v1::Codec codec :
+       {v1::CODEC_RAW, v1::CODEC_ZSTD, v1::CODEC_ALL_VISIBLE, v1::CODEC_NONE_VISIBLE}) {
+    welcome.add_codecs(codec);
+  }
   *welcome.mutable_scene() = ToProto(InfoOf(scene));
   return response;
 }
