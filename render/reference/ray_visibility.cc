@@ -16,7 +16,7 @@ namespace {
 constexpr uint32_t kBlock = 4;  // texels along a side of a packet
 constexpr uint32_t kPacket = kBlock * kBlock;
 // The part of a ray, next to the sample, in which nothing blocks it.
-constexpr double kFarMargin = 0x1.0p-20;
+constexpr double kFarMargin = 0x1.0p-16;
 
 // Keeps a hit on a masked surface only where the mask is opaque.
 void FilterMasked(const RTCFilterFunctionNArguments* args) {

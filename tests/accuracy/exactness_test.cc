@@ -8,6 +8,7 @@
 #include "tbb/global_control.h"
 #include "tests/accuracy/ledger.h"
 #include "tests/support/random_scene.h"
+#include "tests/support/shapes.h"
 
 namespace penumbra::testing {
 namespace {
@@ -39,6 +40,28 @@ TEST(ExactnessTest, HundredRandomScenesAgreeWithRays) {
   EXPECT_LT(total.occluded, total.texel_samples * 9 / 10);
   ExpectInLedger("exactness.random.differing_fraction", total.differing_fraction());
   ExpectInLedger("exactness.random.unexplained", static_cast<double>(total.unexplained));
+}
+
+// A lamp whose glowing face is a mesh that casts: it must not shadow its own light.
+TEST(ExactnessTest, ALightMayLieInASurface) {
+  for (const float tilt : {0.0f, 0.37f}) {
+    const RectangleLight light{.corner = Vec3(-0.5f, 2.1f, 0.3f),
+                               .edge_u = Vec3(1.1f, tilt, 0.1f),
+                               .edge_v = Vec3(0.2f, 0, -0.9f)};
+    const Instance face{
+        .id = "face",
+        .mesh = MeshOf(UnitSquareGeometry()),
+        .world_from_mesh = Affine(0.5f * light.edge_u, Vec3(0, 1, 0), -0.5f * light.edge_v,
+                                  light.corner + 0.5f * light.edge_u + 0.5f * light.edge_v)};
+    const auto scene = Scene::Empty("s")
+                           ->Apply({.upsert_instances = {face},
+                                    .upsert_lights = {{"light", light}},
+                                    .upsert_receivers = {FloorReceiver("receiver", 4, 33)}})
+                           .value();
+    const Exactness result = CompareWithRays(*scene, Compute(*scene, 64, 2));
+    EXPECT_EQ(result.occluded, 0u);
+    EXPECT_EQ(result.differing, 0u) << "of " << result.texel_samples;
+  }
 }
 
 // What would a wrong count look like? Almost every one is seen to be wrong.

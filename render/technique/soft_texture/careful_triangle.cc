@@ -6,8 +6,9 @@
 namespace penumbra {
 namespace {
 
-// Below this w a point is taken to be level with the light, where its shadow goes to infinity.
-constexpr double kSmallestW = 1e-9;
+// Below this w a point is taken to be level with the light, where its shadow goes to infinity. A lamp's glowing face
+// lies in the light itself: rounding puts it a few 2⁻²⁰ of the height before or behind a sample.
+constexpr double kSmallestW = 0x1.0p-16;
 constexpr double kMargin = 0.5;  // of the texture, kept on each side
 
 using HomogeneousPolygon = std::array<DVec3, 8>;
