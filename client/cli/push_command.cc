@@ -10,6 +10,24 @@
 #include "client/session/steady_clock.h"
 
 namespace penumbra {
+namespace {
+
+void Report(const PushCommand& command, const ImportedScene& imported, Revision revision,
+            const UploadTraffic& traffic, double wall_ms, const Console& console) {
+  if (command.json) {
+    const nlohmann::ordered_json json = {
+        {"scene", command.scene_id},          {"revision", revision},
+        {"blobs_sent", traffic.blobs_sent},   {"bytes_sent", traffic.bytes_sent},
+        {"blobs_known", traffic.blobs_known}, {"wall_ms", wall_ms}};
+    console.out << json.dump(2) << '\n';
+  } else {
+    console.out << absl::StrFormat("%s is at revision %d: %d instances, %d lights, %.0f ms\n",
+                                   command.scene_id, revision, imported.instances.size(),
+                                   imported.lights.size(), wall_ms);
+  }
+}
+
+}  // namespace
 
 absl::Status Run(const PushCommand& command, const Console& console, std::stop_token) {
   const auto imported = ImportScene(command.scene);
@@ -40,17 +58,7 @@ absl::Status Run(const PushCommand& command, const Console& console, std::stop_t
   const double wall_ms = NowMs() - start_ms;
   progress.Finish(absl::StrFormat("sent %d blobs, %.2f MB; %d were there", traffic.blobs_sent,
                                   traffic.bytes_sent * 1e-6, traffic.blobs_known));
-  if (command.json) {
-    const nlohmann::ordered_json json = {
-        {"scene", command.scene_id},          {"revision", *revision},
-        {"blobs_sent", traffic.blobs_sent},   {"bytes_sent", traffic.bytes_sent},
-        {"blobs_known", traffic.blobs_known}, {"wall_ms", wall_ms}};
-    console.out << json.dump(2) << '\n';
-  } else {
-    console.out << absl::StrFormat("%s is at revision %d: %d instances, %d lights, %.0f ms\n",
-                                   command.scene_id, *revision, imported->instances.size(),
-                                   imported->lights.size(), wall_ms);
-  }
+  Report(command, *imported, *revision, traffic, wall_ms, console);
   return absl::OkStatus();
 }
 

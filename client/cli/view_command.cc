@@ -63,6 +63,28 @@ absl::StatusOr<Shadows> Receive(Engine& engine, const std::string& scene_id, con
   return shadows;
 }
 
+absl::Status Draw(const ViewCommand& command, const ImportedScene& imported, const Scene& scene,
+                  const Shadows& shadows, const Console& console) {
+  const DrawRequest draw{.size = command.size,
+                         .camera = command.camera.value_or(
+                             ChooseCamera(imported, command.request.floor, command.size)),
+                         .ambient = command.ambient,
+                         .exposure = command.exposure,
+                         .culls_back_faces = command.culls_back_faces};
+  auto pencil = Pencil::Create();
+  if (!pencil.ok()) return pencil.status();
+  const auto drawn = (*pencil)->Draw(scene, shadows, draw, command.out);
+  if (!drawn.ok()) return drawn.status();
+  if (command.json) {
+    console.out << ToJson(command, shadows.size(), *drawn).dump(2) << '\n';
+  } else {
+    console.out << absl::StrFormat("wrote %s with %d textures, drawn in %.1f ms by %s\n",
+                                   command.out.string(), shadows.size(), drawn->draw_ms,
+                                   drawn->renderer);
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status Run(const ViewCommand& command, const Console& console, std::stop_token stop) {
@@ -91,24 +113,7 @@ absl::Status Run(const ViewCommand& command, const Console& console, std::stop_t
   const auto scene = (*engine)->Snapshot(temporary->id());
   if (!scene.ok()) return scene.status();
 
-  const DrawRequest draw{
-      .size = command.size,
-      .camera = command.camera.value_or(ChooseCamera(*imported, request.floor, command.size)),
-      .ambient = command.ambient,
-      .exposure = command.exposure,
-      .culls_back_faces = command.culls_back_faces};
-  auto pencil = Pencil::Create();
-  if (!pencil.ok()) return pencil.status();
-  const auto drawn = (*pencil)->Draw(**scene, *shadows, draw, command.out);
-  if (!drawn.ok()) return drawn.status();
-  if (command.json) {
-    console.out << ToJson(command, shadows->size(), *drawn).dump(2) << '\n';
-  } else {
-    console.out << absl::StrFormat("wrote %s with %d textures, drawn in %.1f ms by %s\n",
-                                   command.out.string(), shadows->size(), drawn->draw_ms,
-                                   drawn->renderer);
-  }
-  return absl::OkStatus();
+  return Draw(command, *imported, **scene, *shadows, console);
 }
 
 }  // namespace penumbra

@@ -33,7 +33,6 @@ absl::Status StatusOfCall(const std::string& address, const grpc::Status& status
 
 absl::Status StatusOfEndedSession(const std::string& address, const grpc::Status& status) {
   const absl::Status converted = FromGrpcStatus(status);
-  if (!ErrorReason(converted).empty()) return converted;
   switch (converted.code()) {
     case absl::StatusCode::kOk:
       return GoneAway(address, "");

@@ -67,6 +67,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   void Receive(const v1::SubscribeResult& result);
   void Receive(const v1::SubscriptionEnded& ended);
   void Receive(const v1::ArtifactUpdate& update);
+  void Receive(const v1::SessionError& error);
   void EndAll(const grpc::Status& status);
   void PostDelivery(std::shared_ptr<RemoteSubscriber> subscriber);
   std::shared_ptr<RemoteSubscriber> FindSubscriber(uint64_t id);

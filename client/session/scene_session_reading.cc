@@ -7,6 +7,7 @@
 #include "client/session/server_connection.h"
 #include "client/session/steady_clock.h"
 #include "proto/convert/status_convert.h"
+#include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
@@ -39,8 +40,10 @@ bool SceneSession::ReadOne() {
     case v1::SessionResponse::kSubscriptionEnded:
       Receive(response_.subscription_ended());
       break;
-    case v1::SessionResponse::kWelcome:
     case v1::SessionResponse::kSessionError:
+      Receive(response_.session_error());
+      break;
+    case v1::SessionResponse::kWelcome:
     case v1::SessionResponse::RESPONSE_NOT_SET:
       break;
   }
@@ -109,6 +112,23 @@ void SceneSession::Receive(const v1::ArtifactUpdate& update) {
   } else if (*is_due) {
     PostDelivery(subscriber);
   }
+}
+
+// The request that the server could not read is the oldest one that has no answer: it answers in
+// order. Acknowledgements and credits that cross the end of a subscription want no answer.
+void SceneSession::Receive(const v1::SessionError& error) {
+  const absl::Status status = FromProto(error.error());
+  if (ErrorFieldPath(status) == "subscription_id") return;
+  std::lock_guard lock(mutex_);
+  Answers* answers = commits_.empty() ? &subscribes_ : &commits_;
+  if (!commits_.empty() && !subscribes_.empty() &&
+      subscribes_.begin()->first < commits_.begin()->first) {
+    answers = &subscribes_;
+  }
+  if (answers->empty()) return;
+  answers->begin()->second->status = status;
+  answers->begin()->second->is_here = true;
+  answers->erase(answers->begin());
 }
 
 void SceneSession::EndAll(const grpc::Status& status) {
