@@ -259,6 +259,7 @@ Vec3 SuggestAmbient(const Scene& scene) {
   constexpr float kShare =
       0.06f;  // dark enough to leave shadows their shape, bright enough to see in
   const Aabb bounds = scene.Bounds();
+  if (scene.lights().empty()) return Vec3(1);
   const Vec3 center = bounds.empty() ? Vec3(0) : bounds.center();
   Vec3 sum(0);
   for (const auto& [id, light] : scene.lights()) {

@@ -40,6 +40,14 @@ TEST(DisplayTest, UnknownDeviceNamesThoseThereAre) {
   EXPECT_THAT(std::string(display.status().message()), HasSubstr("software"));
 }
 
+// The last rung of the ladder, where EGL lists no devices.
+TEST(DisplayTest, SurfacelessPlatformWorksToo) {
+  const auto context = Context::Create({.device = "surfaceless"});
+  ASSERT_TRUE(context.ok()) << context.status();
+  EXPECT_EQ((*context)->info().device.index, -1);
+  EXPECT_TRUE((*context)->Check("the surfaceless platform").ok());
+}
+
 TEST(DisplayTest, IndexPastTheEndIsNotFound) {
   EXPECT_EQ(Display::Open("99").status().code(), absl::StatusCode::kNotFound);
 }

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "client/display/surface_glsl.h"
+#include "client/display/thin_renderer.h"
 
 namespace penumbra {
 namespace {
@@ -106,6 +107,18 @@ TEST(DrawListTest, OnlyLightsWithAShapeGlow) {
   }
   EXPECT_EQ(glowing, 1) << "the sphere, not the point";
   EXPECT_EQ(list.lights.size(), 2u);
+}
+
+TEST(SuggestAmbientTest, GrowsWithTheLightThereIs) {
+  EXPECT_EQ(SuggestAmbient(*Scene::Empty("dark")), Vec3(1)) << "else nothing could be seen";
+  const auto lit = [](float intensity) {
+    const AreaLight sun = {.id = "sun", .shape = DistantLight{.irradiance = {intensity, 0, 0}}};
+    return SuggestAmbient(**Scene::Empty("s")->Apply({.upsert_lights = {sun}}));
+  };
+  EXPECT_GT(lit(1).x, 0);
+  EXPECT_LT(lit(1).x, 0.1f) << "far below 1/π, which the sun gives";
+  EXPECT_EQ(lit(1).y, 0);
+  EXPECT_FLOAT_EQ(lit(8).x, 8 * lit(1).x);
 }
 
 }  // namespace
