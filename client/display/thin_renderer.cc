@@ -90,6 +90,8 @@ class ThinRenderer::Impl {
   void SetFrame(gl::Context& context, const DrawList& list, const Camera& camera,
                 const RenderOptions& options);
   absl::Status DrawItemOn(gl::Context& context, const DrawItem& item, const DMat4& clip_from_world);
+  absl::Status RenderTile(gl::Context& context, const DrawList& list, const DMat4& tile_from_world,
+                          const PictureTile& tile, int samples_per_side, Picture& picture);
   absl::Status EnsureTarget(gl::Context& context, int side);
 
   uint64_t context_serial_ = 0;
@@ -192,6 +194,22 @@ absl::Status ThinRenderer::Impl::DrawItemOn(gl::Context& context, const DrawItem
   return absl::OkStatus();
 }
 
+absl::Status ThinRenderer::Impl::RenderTile(gl::Context& context, const DrawList& list,
+                                            const DMat4& tile_from_world, const PictureTile& tile,
+                                            int samples_per_side, Picture& picture) {
+  target_->Clear(context, Vec4(0));
+  for (const DrawItem& item : list.items) {
+    if (IsOutside(tile_from_world, item.bounds)) continue;
+    if (absl::Status status = DrawItemOn(context, item, tile_from_world); !status.ok()) {
+      return status;
+    }
+  }
+  const auto samples = target_->ReadPixels(context);
+  if (!samples.ok()) return samples.status();
+  ResolveTile(*samples, samples_per_side, tile, picture);
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Picture> ThinRenderer::Impl::Render(
     gl::Context& context, const Scene& scene,
     std::span<const std::shared_ptr<const Artifact>> artifacts, const Camera& camera,
@@ -217,16 +235,8 @@ absl::StatusOr<Picture> ThinRenderer::Impl::Render(
                                 .side = side};
       const DMat4 tile_from_world =
           TileFromClip(tile, options.width, options.height) * clip_from_world;
-      target_->Clear(context, Vec4(0));
-      for (const DrawItem& item : list.items) {
-        if (IsOutside(tile_from_world, item.bounds)) continue;
-        if (absl::Status status = DrawItemOn(context, item, tile_from_world); !status.ok()) {
-          return status;
-        }
-      }
-      const auto samples = target_->ReadPixels(context);
-      if (!samples.ok()) return samples.status();
-      ResolveTile(*samples, n, tile, picture);
+      const absl::Status status = RenderTile(context, list, tile_from_world, tile, n, picture);
+      if (!status.ok()) return status;
     }
   }
   meshes_.EndFrame();
