@@ -3,6 +3,7 @@
 #include <numbers>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "tests/support/shapes.h"
 
 namespace penumbra::testing {
@@ -107,7 +108,7 @@ class SceneMaker {
 
  private:
   Instance& Add(std::shared_ptr<const Mesh> mesh, const Affine& world_from_mesh) {
-    delta_.upsert_instances.push_back({.id = "i" + std::to_string(delta_.upsert_instances.size()),
+    delta_.upsert_instances.push_back({.id = absl::StrCat("i", delta_.upsert_instances.size()),
                                        .mesh = std::move(mesh),
                                        .world_from_mesh = world_from_mesh});
     return delta_.upsert_instances.back();
