@@ -48,9 +48,9 @@ TEST(WorkerTest, ReturnsWhatTheJobReturns) {
 }
 
 TEST(WorkerTest, AFullQueueRefuses) {
+  std::promise<void> started, release;  // outlive the worker, whose job waits on them
   auto worker = Worker::Create(Software(/*max_queued=*/2));
   ASSERT_TRUE(worker.ok()) << worker.status();
-  std::promise<void> started, release;
   ASSERT_TRUE((*worker)
                   ->Submit([&](Context&) {
                     started.set_value();
