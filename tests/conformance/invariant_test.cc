@@ -1,0 +1,109 @@
+// What may change without changing the shadows, and how they may change.
+#include <utility>
+
+#include "gtest/gtest.h"
+#include "tests/conformance/conformance.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/shapes.h"
+
+namespace penumbra::testing {
+namespace {
+
+class InvariantTest : public ConformanceTest {};
+
+Vec3 Turned(const Affine& m, Vec3 v) { return m * Vec4(v, 0.0f); }
+
+// A rotation about a slanting axis, a uniform scale and a shift.
+Affine RigidAndScale() {
+  const Vec3 x = glm::normalize(Vec3(0.8f, 0.1f, -0.5f));
+  const Vec3 z = glm::normalize(glm::cross(x, Vec3(0.2f, 1, 0.1f)));
+  const float scale = 1.75f;
+  return Affine(scale * x, scale * glm::cross(z, x), scale * z, Vec3(3, -1, 2));
+}
+
+Stage Moved(Stage stage, const Affine& motion) {
+  auto& light = std::get<RectangleLight>(stage.light);
+  light.corner = TransformPoint(motion, light.corner);
+  light.edge_u = Turned(motion, light.edge_u);
+  light.edge_v = Turned(motion, light.edge_v);
+  auto& patch = std::get<Parallelogram>(stage.receiver.shape);
+  patch.origin = TransformPoint(motion, patch.origin);
+  patch.edge_u = Turned(motion, patch.edge_u);
+  patch.edge_v = Turned(motion, patch.edge_v);
+  for (Instance& instance : stage.occluders) {
+    Affine& m = instance.world_from_mesh;
+    m = Affine(Turned(motion, m[0]), Turned(motion, m[1]), Turned(motion, m[2]),
+               TransformPoint(motion, m[3]));
+  }
+  return stage;
+}
+
+Stage Boxes(LightShape light) {
+  return {.light = std::move(light),
+          .receiver = OddFloor(),
+          .occluders = {BoxOver(Vec3(0.3f, 0.8f, 0.1f), Vec3(0.2f, 0.3f, 0.4f)),
+                        BoxOver(Vec3(-0.5f, 1.2f, -0.2f), Vec3(0.1f, 0.1f, 0.5f)),
+                        SheetOver(Vec3(-0.2f, 0.4f, 0.7f), Vec3(0.4f, 1, 0.2f))}};
+}
+
+TEST_P(InvariantTest, RigidMotionAndUniformScaleChangeNothing) {
+  const Stage stage = Boxes(LightsOverhead()[0].second);
+  const auto grid = Visibilities(stage);
+  EXPECT_GT(Mean(grid), 0.3f);
+  EXPECT_LT(Mean(grid), 0.95f);
+  // Rounding may move a sample or two across an edge.
+  const auto moved = Visibilities(Moved(stage, RigidAndScale()));
+  EXPECT_LT(DifferingPart(grid, moved, 0), 0.01f);
+  EXPECT_EQ(DifferingPart(grid, moved, 2.01f / 64), 0);
+}
+
+TEST_P(InvariantTest, ALightShrunkToAPointGivesTheHardShadow) {
+  const Vec3 at(0.1f, 2, 0.05f);
+  const auto hard = Visibilities(Boxes(PointLight{.position = at}));
+  const LightShape tiny[] = {
+      RectangleLight{.corner = at, .edge_u = Vec3(1e-4f, 0, 0), .edge_v = Vec3(0, 0, 1e-4f)},
+      DiskLight{.center = at, .radius = 1e-4f}, SphereLight{.center = at, .radius = 1e-4f}};
+  for (const LightShape& light : tiny) {
+    EXPECT_LT(DifferingPart(Visibilities(Boxes(light)), hard, 0), 0.005f);
+  }
+  const Vec3 up(0.2f, 1, 0.1f);
+  EXPECT_LT(
+      DifferingPart(Visibilities(Boxes(DistantLight{.to_light = up, .angular_diameter = 1e-4f})),
+                    Visibilities(Boxes(DistantLight{.to_light = up})), 0),
+      0.005f);
+}
+
+TEST_P(InvariantTest, TheSameSeedGivesTheSameBitsAndAnotherDoesNot) {
+  for (const auto& [name, light] : LightsOverhead()) {
+    const Stage stage = Boxes(light);
+    const auto grid = Visibilities(stage, 48, 5);
+    EXPECT_EQ(grid, Visibilities(stage, 48, 5)) << name;
+    const bool has_size = name != "point" && name != "spot";
+    EXPECT_EQ(grid != Visibilities(stage, 48, 6), has_size) << name;
+  }
+}
+
+TEST_P(InvariantTest, AnotherOccluderNeverBrightens) {
+  for (uint64_t seed = 0; seed < 2 * kLightKinds; ++seed) {
+    const auto full = RandomScene(seed);
+    SceneDelta delta;
+    for (const auto& [id, light] : full->lights()) delta.upsert_lights.push_back(*light);
+    for (const auto& [id, receiver] : full->receivers())
+      delta.upsert_receivers.push_back(*receiver);
+    const std::string scene = NewScene(delta);
+    std::vector<float> before = Visibilities(scene, Spec());
+    for (const auto& [id, instance] : full->instances()) {
+      ASSERT_TRUE(engine_->Commit(scene, {.upsert_instances = {*instance}}).ok());
+      const std::vector<float> after = Visibilities(scene, Spec());
+      for (size_t t = 0; t < after.size(); ++t) {
+        ASSERT_LE(after[t], before[t]) << "seed " << seed << ", texel " << t << ", with " << id;
+      }
+      before = after;
+    }
+  }
+}
+
+PENUMBRA_INSTANTIATE_CONFORMANCE(InvariantTest);
+
+}  // namespace
+}  // namespace penumbra::testing
