@@ -134,6 +134,38 @@ double BoundingRadius(const OccluderTriangle& triangle, DVec3 center) {
                    glm::distance(center, triangle.corners[2])});
 }
 
+DVec3 Center(const OccluderTriangle& triangle) {
+  return (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / 3.0;
+}
+
+ExactVerdict JudgeRay(const Segment& ray, std::span<const OccluderTriangle* const> triangles,
+                      double tolerance) {
+  double hit_slack = 0, miss_slack = std::numeric_limits<double>::infinity();
+  bool blocked = false;
+  for (const OccluderTriangle* triangle : triangles) {
+    const DVec3 center = Center(*triangle);
+    const double gap = PointSegmentDistance(center, ray) - BoundingRadius(*triangle, center);
+    if (gap > std::min(miss_slack, 100 * tolerance)) {
+      miss_slack = std::min(miss_slack, gap);
+      continue;
+    }
+    const auto hit = Intersect(ray, *triangle);
+    if (!hit) {
+      miss_slack = std::min(miss_slack, MissDistance(ray, *triangle));
+      continue;
+    }
+    const bool masked = triangle->masked != nullptr;
+    const bool certain = !masked || MaskIsCertain(ray, *triangle, *hit, tolerance);
+    if (masked && !MaskBlocksAt(*triangle, hit->b1, hit->b2)) {
+      if (!certain) miss_slack = 0;
+      continue;
+    }
+    blocked = true;
+    if (certain) hit_slack = std::max(hit_slack, HitSlack(ray, *triangle));
+  }
+  return {.blocked = blocked, .slack = blocked ? hit_slack : miss_slack};
+}
+
 }  // namespace
 
 ExactRays::ExactRays(const Scene& scene) : triangles_(OccluderTriangles(scene)) {
@@ -145,43 +177,52 @@ ExactRays::ExactRays(const Scene& scene) : triangles_(OccluderTriangles(scene)) 
   }
 }
 
-ExactVerdict ExactRays::Trace(const Parallelogram& patch, DVec3 origin, const LightSample& sample,
-                              double surface_offset, double tolerance) const {
-  const RayInterval interval = BlockingInterval(patch, sample, surface_offset);
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  if (!(interval.near < interval.far)) return {.blocked = false, .slack = kInfinity};
-  const DVec3 target(sample.point);
+// Those that touch the cone, from `origin`, that holds all rays.
+std::vector<const OccluderTriangle*> ExactRays::TrianglesNear(DVec3 origin,
+                                                              std::span<const LightSample> samples,
+                                                              double margin) const {
+  const auto direction = [&](const LightSample& sample) {
+    return glm::normalize(DVec3(sample.point) - (sample.at_infinity ? DVec3(0.0) : origin));
+  };
+  DVec3 axis(0.0);
+  for (const LightSample& sample : samples) axis += direction(sample);
+  axis = glm::normalize(axis);
+  double spread = 0;  // tangent of the cone's half-angle
+  for (const LightSample& sample : samples) {
+    const double along = glm::dot(axis, direction(sample));
+    const double across = glm::length(glm::cross(axis, direction(sample)));
+    spread = along > 0 ? std::max(spread, across / along) : std::numeric_limits<double>::infinity();
+  }
+  std::vector<const OccluderTriangle*> near_by;
+  for (const OccluderTriangle& triangle : triangles_) {
+    const DVec3 center = Center(triangle);
+    const double radius = BoundingRadius(triangle, center);
+    const double from_axis = glm::length(glm::cross(axis, center - origin));
+    const double reach = spread * (glm::distance(center, origin) + radius);
+    if (!(from_axis > radius + reach + margin)) near_by.push_back(&triangle);
+  }
+  return near_by;
+}
+
+std::vector<ExactVerdict> ExactRays::Trace(const Parallelogram& patch, DVec3 origin,
+                                           std::span<const LightSample> samples,
+                                           double surface_offset, double tolerance) const {
+  const auto triangles = TrianglesNear(origin, samples, 100 * tolerance);
   // A ray to infinity ends behind everything.
   const double behind = 4 * (largest_coordinate_ + glm::length(origin));
-  const Segment ray = sample.at_infinity ? Segment{origin + interval.near * target,
-                                                   origin + behind * glm::normalize(target)}
-                                         : Segment{origin + interval.near * (target - origin),
-                                                   origin + interval.far * (target - origin)};
-
-  double hit_slack = 0, miss_slack = kInfinity;
-  bool blocked = false;
-  for (const OccluderTriangle& triangle : triangles_) {
-    const DVec3 center = (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / 3.0;
-    const double gap = PointSegmentDistance(center, ray) - BoundingRadius(triangle, center);
-    if (gap > std::min(miss_slack, 100 * tolerance)) {
-      miss_slack = std::min(miss_slack, gap);
-      continue;
-    }
-    const auto hit = Intersect(ray, triangle);
-    if (!hit) {
-      miss_slack = std::min(miss_slack, MissDistance(ray, triangle));
-      continue;
-    }
-    const bool masked = triangle.masked != nullptr;
-    const bool certain = !masked || MaskIsCertain(ray, triangle, *hit, tolerance);
-    if (masked && !MaskBlocksAt(triangle, hit->b1, hit->b2)) {
-      if (!certain) miss_slack = 0;
-      continue;
-    }
-    blocked = true;
-    if (certain) hit_slack = std::max(hit_slack, HitSlack(ray, triangle));
+  std::vector<ExactVerdict> verdicts;
+  for (const LightSample& sample : samples) {
+    const RayInterval interval = BlockingInterval(patch, sample, surface_offset);
+    const DVec3 target(sample.point);
+    const DVec3 direction = sample.at_infinity ? target : target - origin;
+    const DVec3 end = sample.at_infinity ? origin + behind * glm::normalize(target)
+                                         : origin + interval.far * direction;
+    verdicts.push_back(
+        interval.near < interval.far
+            ? JudgeRay({origin + interval.near * direction, end}, triangles, tolerance)
+            : ExactVerdict{.slack = std::numeric_limits<double>::infinity()});
   }
-  return {.blocked = blocked, .slack = blocked ? hit_slack : miss_slack};
+  return verdicts;
 }
 
 }  // namespace penumbra

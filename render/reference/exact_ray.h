@@ -1,10 +1,11 @@
 // One ray at a time against every triangle, in double precision, with how close the call was.
 //
 //   const ExactRays exact(scene);
-//   const ExactVerdict verdict = exact.Trace(receiver.patch, texel_center, sample, surface_offset,
-//   1e-6); if (verdict.slack <= 1e-6) …  // single precision may say either
+//   const auto verdicts = exact.Trace(receiver.patch, texel_center, samples, surface_offset, 1e-6);
+//   if (verdicts[s].slack <= 1e-6) …  // single precision may say either
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "render/reference/occluder_triangles.h"
@@ -24,17 +25,23 @@ class ExactRays {
  public:
   explicit ExactRays(const Scene& scene);
 
-  // The ray from `origin`, on the receiver, to `sample`, within its BlockingInterval. A hit on a
-  // masked surface has no slack if rays displaced by `tolerance` metres find other opacities.
+  // The rays from `origin`, on the receiver, to `samples`, each within its BlockingInterval. A hit
+  // on a masked surface has no slack if rays displaced by `tolerance` metres find other opacities;
+  // slack beyond 100 tolerances is not told apart.
   //
-  // Cost  O(triangles)
-  ExactVerdict Trace(const Parallelogram& patch, DVec3 origin, const LightSample& sample,
-                     double surface_offset, double tolerance) const;
+  // Cost  O(triangles + samples · triangles near any of the rays)
+  std::vector<ExactVerdict> Trace(const Parallelogram& patch, DVec3 origin,
+                                  std::span<const LightSample> samples, double surface_offset,
+                                  double tolerance) const;
 
   // The largest coordinate of all triangles, in metres: what their rounding is relative to.
   double largest_coordinate() const { return largest_coordinate_; }
 
  private:
+  std::vector<const OccluderTriangle*> TrianglesNear(DVec3 origin,
+                                                     std::span<const LightSample> samples,
+                                                     double margin) const;
+
   std::vector<OccluderTriangle> triangles_;
   double largest_coordinate_ = 0;
 };

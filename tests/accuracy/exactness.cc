@@ -45,9 +45,9 @@ class Judge {
     const double tolerance = kToleranceUlps * ulp_;
     int certainly_visible = 0;
     std::vector<double> doubtful;
-    for (const LightSample& sample : samples_) {
-      const ExactVerdict verdict =
-          exact_.Trace(texture_.receiver.patch, origin, sample, surface_offset_, tolerance);
+    const auto verdicts =
+        exact_.Trace(texture_.receiver.patch, origin, samples_, surface_offset_, tolerance);
+    for (const ExactVerdict& verdict : verdicts) {
       if (verdict.slack <= tolerance) {
         doubtful.push_back(verdict.slack);
       } else if (!verdict.blocked) {

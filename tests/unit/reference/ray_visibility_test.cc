@@ -98,9 +98,10 @@ TEST(RayVisibilityTest, AgreesWithDoublePrecision) {
     const ExactRays exact(*scene);
     for (uint32_t texel = 0; texel < 13 * 11; ++texel) {
       int visible = 0;
+      const DVec3 origin(receiver.TexelCenter(texel % 13, texel / 13));
+      const auto verdicts = exact.Trace(receiver.patch, origin, samples, 1e-5, 4e-6);
       for (size_t s = 0; s < samples.size(); ++s) {
-        const DVec3 origin(receiver.TexelCenter(texel % 13, texel / 13));
-        const ExactVerdict verdict = exact.Trace(receiver.patch, origin, samples[s], 1e-5, 4e-6);
+        const ExactVerdict& verdict = verdicts[s];
         const bool is_blocked = blocked[s * 13 * 11 + texel] != 0;
         visible += !is_blocked;
         ++rays;
