@@ -16,9 +16,9 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "planes are copied as they lie");
 static_assert(sizeof(Vec3) == 3 * sizeof(float));
 
-// The fastest level: visibility is mostly flat, higher levels gain a few per cent for twice the
-// time.
-constexpr int kZstdLevel = 1;
+// Of the 16 tiles under 84 boxes: level 1 packs to 17.9 KB in 114 µs and unpacks in 47 µs; level −1
+// to 22.0 KB in 83 µs and 25 µs; level 3 gains 1 % on level 1. What is saved is waited for.
+constexpr int kZstdLevel = -1;
 constexpr uint32_t kLargestByteCount = 255;
 
 using Rect = TileRect;

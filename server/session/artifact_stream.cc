@@ -39,7 +39,7 @@ void ArtifactStream::OnUpdate(const ArtifactUpdate& update) {
   auto artifact = before.artifact;
   if (update.artifact && (!artifact || artifact->artifact != update.artifact)) {
     const uint64_t sequence = artifact ? artifact->sequence + 1 : 1;
-    artifact = Encode(artifact.get(), update.artifact, sequence, encoder_);
+    artifact = encoder_.Encode(artifact.get(), update.artifact, sequence);
     ++counters_.artifacts_encoded;
   }
   std::vector<std::shared_ptr<StreamListener>> listeners;
@@ -63,7 +63,7 @@ absl::StatusOr<std::shared_ptr<ArtifactStream>> StreamTable::Follow(const std::s
   std::erase_if(streams_, [](const auto& entry) { return entry.second.expired(); });
   auto& slot = streams_[{incarnation, SpecKey(spec)}];
   if (auto stream = slot.lock()) return stream;
-  auto stream = std::make_shared<ArtifactStream>(counters_);
+  auto stream = std::make_shared<ArtifactStream>(encoder_, counters_);
   if (auto status = stream->Start(engine_, scene_id, spec); !status.ok()) return status;
   slot = stream;
   return stream;

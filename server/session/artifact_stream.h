@@ -33,7 +33,8 @@ struct StreamState {
 
 class ArtifactStream : public std::enable_shared_from_this<ArtifactStream> {
  public:
-  explicit ArtifactStream(ServerCounters& counters) : counters_(counters) {}
+  ArtifactStream(ArtifactEncoder& encoder, ServerCounters& counters)
+      : encoder_(encoder), counters_(counters) {}
 
   // Begins to follow the artifact. Once, before anything else.
   // Errors  those of Engine::Subscribe
@@ -46,8 +47,8 @@ class ArtifactStream : public std::enable_shared_from_this<ArtifactStream> {
  private:
   void OnUpdate(const ArtifactUpdate& update);  // one call at a time
 
+  ArtifactEncoder& encoder_;
   ServerCounters& counters_;
-  TileEncoder encoder_;  // OnUpdate's
 
   mutable std::mutex mutex_;
   StreamState state_;
@@ -70,6 +71,7 @@ class StreamTable {
  private:
   Engine& engine_;
   ServerCounters& counters_;
+  ArtifactEncoder encoder_;
   std::mutex mutex_;
   std::map<std::pair<uint64_t, std::string>, std::weak_ptr<ArtifactStream>>
       streams_;  // by incarnation and SpecKey

@@ -1,6 +1,7 @@
 // An artifact as bytes, made once for all who receive it.
 //
-//   auto next = Encode(previous.get(), update.artifact, sequence, encoder);
+//   ArtifactEncoder encoder;
+//   auto next = encoder.Encode(previous.get(), update.artifact, sequence);
 //   for (const EncodedTile& tile : next->tiles) if (tile.changed_at > acknowledged) …
 #pragma once
 
@@ -11,6 +12,7 @@
 #include "grpcpp/support/slice.h"
 #include "proto/convert/tile_codec.h"
 #include "render/artifact/artifact.h"
+#include "tbb/enumerable_thread_specific.h"
 
 namespace penumbra {
 
@@ -30,9 +32,19 @@ struct EncodedArtifact {
   std::vector<EncodedTile> tiles;  // row by row
 };
 
-// Takes over from `previous` (which may be null) what is the same.
-std::shared_ptr<const EncodedArtifact> Encode(const EncodedArtifact* previous,
-                                              std::shared_ptr<const Artifact> artifact,
-                                              uint64_t sequence, TileEncoder& encoder);
+// Any thread may use it, any number at a time; each keeps its compressor's memory.
+class ArtifactEncoder {
+ public:
+  // Takes over from `previous` (which may be null) what is the same.
+  std::shared_ptr<const EncodedArtifact> Encode(const EncodedArtifact* previous,
+                                                std::shared_ptr<const Artifact> artifact,
+                                                uint64_t sequence);
+
+ private:
+  void EncodeTiles(const SoftShadowTexture& texture, const EncodedArtifact* previous,
+                   EncodedArtifact& encoded);
+
+  tbb::enumerable_thread_specific<TileEncoder> tile_encoders_;
+};
 
 }  // namespace penumbra

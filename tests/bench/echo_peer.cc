@@ -1,0 +1,66 @@
+#include "tests/bench/echo_peer.h"
+
+#include <string>
+
+#include "grpcpp/create_channel.h"
+#include "grpcpp/server_builder.h"
+#include "tests/bench/bench.h"
+
+namespace penumbra::bench {
+namespace {
+
+constexpr char kMethod[] = "/penumbra.bench.Echo/Echo";
+
+class EchoReactor final : public grpc::ServerGenericBidiReactor {
+ public:
+  EchoReactor() { StartRead(&message_); }
+  void OnReadDone(bool ok) override {
+    if (ok) return StartWrite(&message_);
+    Finish(grpc::Status::OK);
+  }
+  void OnWriteDone(bool ok) override {
+    if (ok) return StartRead(&message_);
+    Finish(grpc::Status::CANCELLED);
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  grpc::ByteBuffer message_;
+};
+
+}  // namespace
+
+grpc::ServerGenericBidiReactor* EchoPeer::Service::CreateReactor(
+    grpc::GenericCallbackServerContext*) {
+  return new EchoReactor();
+}
+
+EchoPeer::EchoPeer() {
+  grpc::ServerBuilder builder;
+  int port = 0;
+  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+  builder.RegisterCallbackGenericService(&service_);
+  server_ = builder.BuildAndStart();
+  channel_ =
+      grpc::CreateChannel("127.0.0.1:" + std::to_string(port), grpc::InsecureChannelCredentials());
+  const grpc::internal::RpcMethod method(kMethod, grpc::internal::RpcMethod::BIDI_STREAMING);
+  stream_.reset(
+      grpc::internal::ClientReaderWriterFactory<grpc::ByteBuffer, grpc::ByteBuffer>::Create(
+          channel_.get(), method, &context_));
+}
+
+EchoPeer::~EchoPeer() {
+  stream_->WritesDone();
+  stream_->Finish();
+  server_->Shutdown();
+}
+
+double EchoPeer::RoundTripMs(const grpc::ByteBuffer& message) {
+  grpc::ByteBuffer back;
+  const double start = NowMs();
+  stream_->Write(message);
+  stream_->Read(&back);
+  return NowMs() - start;
+}
+
+}  // namespace penumbra::bench
