@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 
 #include "render/math/parallel_for.h"
 #include "render/reference/occluder_triangles.h"
@@ -31,24 +32,26 @@ void FilterMasked(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-// A packet's rays without their directions.
-struct PacketOrigins {
-  alignas(64) std::array<float, kPacket> x, y, z;
+// The rays from a block of texels. Tracing changes nothing but `rays.tfar`, so that what all
+// samples share is filled in once.
+struct Packet {
+  alignas(64) RTCRay16 rays;
   alignas(64) std::array<int, kPacket> valid;
 };
 
-PacketOrigins OriginsOfBlock(const ReceiverPatch& receiver, uint32_t bi, uint32_t bj) {
-  PacketOrigins origins;
+Packet PacketOfBlock(const ReceiverPatch& receiver, uint32_t bi, uint32_t bj) {
+  Packet packet{};
   for (uint32_t k = 0; k < kPacket; ++k) {
     const uint32_t i = kBlock * bi + k % kBlock, j = kBlock * bj + k / kBlock;
-    origins.valid[k] = i < receiver.width && j < receiver.height ? -1 : 0;
+    packet.valid[k] = i < receiver.width && j < receiver.height ? -1 : 0;
     const Vec3 p =
         receiver.TexelCenter(std::min(i, receiver.width - 1), std::min(j, receiver.height - 1));
-    origins.x[k] = p.x;
-    origins.y[k] = p.y;
-    origins.z[k] = p.z;
+    packet.rays.org_x[k] = p.x;
+    packet.rays.org_y[k] = p.y;
+    packet.rays.org_z[k] = p.z;
+    packet.rays.mask[k] = ~0u;
   }
-  return origins;
+  return packet;
 }
 
 // A sample with its blocking interval, as the packets take it.
@@ -57,6 +60,7 @@ struct Target {
   bool at_infinity;
   float near;
   float far;
+  bool reaches() const { return near < far; }
 };
 
 std::vector<Target> TargetsOf(const Parallelogram& patch, std::span<const LightSample> samples,
@@ -70,32 +74,26 @@ std::vector<Target> TargetsOf(const Parallelogram& patch, std::span<const LightS
   return targets;
 }
 
-uint32_t TracePacket(RTCScene scene, RTCIntersectContext& context, const PacketOrigins& origins,
-                     const Target& target) {
-  if (!(target.near < target.far)) return 0;
-  RTCRay16 rays;
-  const Vec3 p = target.point;
+// Afterwards rays.tfar is negative where the ray is blocked: Embree writes −∞ for a hit.
+void TracePacket(RTCScene scene, RTCIntersectContext& context, const Target& target,
+                 Packet& packet) {
+  RTCRay16& rays = packet.rays;
   const float from = target.at_infinity ? 0.0f : 1.0f;
   for (uint32_t k = 0; k < kPacket; ++k) {
-    rays.org_x[k] = origins.x[k];
-    rays.org_y[k] = origins.y[k];
-    rays.org_z[k] = origins.z[k];
-    rays.dir_x[k] = p.x - from * origins.x[k];
-    rays.dir_y[k] = p.y - from * origins.y[k];
-    rays.dir_z[k] = p.z - from * origins.z[k];
+    rays.dir_x[k] = target.point.x - from * rays.org_x[k];
+    rays.dir_y[k] = target.point.y - from * rays.org_y[k];
+    rays.dir_z[k] = target.point.z - from * rays.org_z[k];
     rays.tnear[k] = target.near;
     rays.tfar[k] = target.far;
-    rays.time[k] = 0;
-    rays.mask[k] = ~0u;
-    rays.id[k] = k;
-    rays.flags[k] = 0;
   }
-  rtcOccluded16(origins.valid.data(), scene, &context, &rays);
-  uint32_t blocked = 0;
-  for (uint32_t k = 0; k < kPacket; ++k) {
-    if (origins.valid[k] && rays.tfar[k] < 0) blocked |= 1u << k;  // Embree writes −∞ for a hit
-  }
-  return blocked;
+  rtcOccluded16(packet.valid.data(), scene, &context, &rays);
+}
+
+// The index, in row order, of a block's texel k; nullopt outside of the receiver.
+std::optional<size_t> TexelOf(const ReceiverPatch& receiver, uint32_t bi, uint32_t bj, uint32_t k) {
+  const size_t i = kBlock * bi + k % kBlock, j = kBlock * bj + k / kBlock;
+  if (i >= receiver.width || j >= receiver.height) return std::nullopt;
+  return j * receiver.width + i;
 }
 
 }  // namespace
@@ -133,26 +131,28 @@ struct RayVisibility::Embree {
     rtcReleaseGeometry(geometry);
   }
 
-  template <typename Sink>
-  void ForEachBlock(const ReceiverPatch& receiver, std::span<const Target> targets,
-                    tbb::task_arena& arena, const Sink& sink) const {
+  // Calls visit(bi, bj, trace) for every block; trace(target) returns the packet's 16 tfar.
+  template <typename Visitor>
+  void ForEachBlock(const ReceiverPatch& receiver, tbb::task_arena& arena,
+                    const Visitor& visit) const {
     const auto blocks = [](uint32_t side) { return (side + kBlock - 1) / kBlock; };
     const tbb::blocked_range2d<uint32_t> range(0, blocks(receiver.height), 4, 0,
                                                blocks(receiver.width), 4);
-    const auto trace = [&](const tbb::blocked_range2d<uint32_t>& part) {
+    const auto visit_part = [&](const tbb::blocked_range2d<uint32_t>& part) {
       RTCIntersectContext context;
       rtcInitIntersectContext(&context);
       context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
       for (uint32_t bj = part.rows().begin(); bj < part.rows().end(); ++bj) {
         for (uint32_t bi = part.cols().begin(); bi < part.cols().end(); ++bi) {
-          const PacketOrigins origins = OriginsOfBlock(receiver, bi, bj);
-          for (size_t s = 0; s < targets.size(); ++s) {
-            sink(bi, bj, s, TracePacket(scene, context, origins, targets[s]));
-          }
+          Packet packet = PacketOfBlock(receiver, bi, bj);
+          visit(bi, bj, [&](const Target& target) -> const float* {
+            TracePacket(scene, context, target, packet);
+            return packet.rays.tfar;
+          });
         }
       }
     };
-    RunIn(arena, [&] { ParallelForRange(range, trace); });
+    RunIn(arena, [&] { ParallelForRange(range, visit_part); });
   }
 };
 
@@ -179,14 +179,18 @@ VisibilityMap RayVisibility::Counts(const ReceiverPatch& receiver,
   VisibilityMap map{.width = receiver.width, .height = receiver.height, .sample_count = n};
   map.counts.assign(size_t{receiver.width} * receiver.height, static_cast<uint16_t>(n));
   const auto targets = TargetsOf(receiver.patch, samples, surface_offset);
-  embree_->ForEachBlock(receiver, targets, arena,
-                        [&](uint32_t bi, uint32_t bj, size_t, uint32_t blocked) {
-                          for (; blocked != 0; blocked &= blocked - 1) {
-                            const uint32_t k = static_cast<uint32_t>(__builtin_ctz(blocked));
-                            const size_t row = kBlock * bj + k / kBlock;
-                            --map.counts[row * receiver.width + kBlock * bi + k % kBlock];
-                          }
-                        });
+  embree_->ForEachBlock(receiver, arena, [&](uint32_t bi, uint32_t bj, const auto& trace) {
+    std::array<int, kPacket> blocked{};
+    for (const Target& target : targets) {
+      if (!target.reaches()) continue;
+      const float* const tfar = trace(target);
+      for (uint32_t k = 0; k < kPacket; ++k) blocked[k] += tfar[k] < 0;
+    }
+    for (uint32_t k = 0; k < kPacket; ++k) {
+      const auto texel = TexelOf(receiver, bi, bj, k);
+      if (texel) map.counts[*texel] -= static_cast<uint16_t>(blocked[k]);
+    }
+  });
   return map;
 }
 
@@ -196,14 +200,16 @@ std::vector<uint8_t> RayVisibility::Blocked(const ReceiverPatch& receiver,
   const size_t texels = size_t{receiver.width} * receiver.height;
   std::vector<uint8_t> result(samples.size() * texels, 0);
   const auto targets = TargetsOf(receiver.patch, samples, surface_offset);
-  embree_->ForEachBlock(
-      receiver, targets, arena, [&](uint32_t bi, uint32_t bj, size_t s, uint32_t blocked) {
-        for (; blocked != 0; blocked &= blocked - 1) {
-          const uint32_t k = static_cast<uint32_t>(__builtin_ctz(blocked));
-          const size_t row = kBlock * bj + k / kBlock;
-          result[s * texels + row * receiver.width + kBlock * bi + k % kBlock] = 1;
-        }
-      });
+  embree_->ForEachBlock(receiver, arena, [&](uint32_t bi, uint32_t bj, const auto& trace) {
+    for (size_t s = 0; s < targets.size(); ++s) {
+      if (!targets[s].reaches()) continue;
+      const float* const tfar = trace(targets[s]);
+      for (uint32_t k = 0; k < kPacket; ++k) {
+        const auto texel = TexelOf(receiver, bi, bj, k);
+        if (texel) result[s * texels + *texel] = tfar[k] < 0;
+      }
+    }
+  });
   return result;
 }
 
