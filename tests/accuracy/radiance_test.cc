@@ -6,8 +6,10 @@
 #include "gtest/gtest.h"
 #include "render/reference/light_integral.h"
 #include "render/scene/unoccluded_light.h"
+#include "render/technique/technique.h"
 #include "tests/accuracy/ledger.h"
 #include "tests/support/random_scene.h"
+#include "tests/support/shapes.h"
 
 namespace penumbra::testing {
 namespace {
@@ -57,6 +59,45 @@ TEST_P(RadianceTest, AgreesWithTheIntegral) {
   }
   EXPECT_GT(lit, 30);
   ExpectInLedger(std::string("radiance.") + kKinds[GetParam()] + ".relative_error", worst);
+}
+
+// The texture as delivered: every texel of a coloured receiver with nothing in the way.
+TEST_P(RadianceTest, TheTextureOfAnUnoccludedReceiver) {
+  double worst = 0;
+  int lit = 0;
+  for (uint64_t trial = 0; trial < 10; ++trial) {
+    Dice dice(2000 + trial);
+    const AreaLight light = RandomLight(dice, GetParam());
+    Receiver receiver = FloorReceiver("receiver", 1.5f, 5);
+    receiver.width = 7;
+    receiver.two_sided = trial % 2 == 0;
+    receiver.reflectance = Vec3(0.9f, 0.5f, 0.2f);
+    const auto scene = Scene::Empty("s")
+                           ->Apply({.upsert_lights = {light}, .upsert_receivers = {receiver}})
+                           .value();
+    const ArtifactSpec spec{.params = SoftTextureParams{.samples = 4, .radiance = true},
+                            .light_id = "light",
+                            .receiver_id = "receiver"};
+    tbb::task_arena arena(1);
+    const Artifact artifact =
+        TechniqueFor(spec.params).Compute(*scene, spec, {.arena = arena}).value();
+    const auto& texture = std::get<SoftShadowTexture>(artifact.payload);
+    ASSERT_TRUE(texture.radiance);
+    for (uint32_t t = 0; t < 7 * 5; ++t) {
+      const DVec3 at(texture.receiver.TexelCenter(t % 7, t / 7));
+      DVec3 expected = IntegratedRadiance(light, at, DVec3(0, 1, 0));
+      if (receiver.two_sided) expected += IntegratedRadiance(light, at, DVec3(0, -1, 0));
+      expected *= DVec3(receiver.reflectance);
+      const DVec3 actual(texture.radiance->texels[t]);
+      if (expected.x < kDarkest) continue;
+      ++lit;
+      for (int c = 0; c < 3; ++c) {
+        worst = std::max(worst, std::abs(actual[c] / expected[c] - 1));
+      }
+    }
+  }
+  EXPECT_GT(lit, 50);
+  ExpectInLedger(std::string("radiance_texture.") + kKinds[GetParam()] + ".relative_error", worst);
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryLight, RadianceTest, ::testing::Range(0, kLightKinds),
