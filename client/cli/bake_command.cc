@@ -87,17 +87,15 @@ absl::StatusOr<Json> BakeAll(const BakeCommand& command, const ShadowPlan& plan,
 
 absl::Status Run(const BakeCommand& command, const Console& console, std::stop_token stop) {
   ShadowRequest request = command.request;
-  const bool names_receivers =
-      request.floor || !request.receivers.empty() || !request.receiver_instances.empty();
-  if (!names_receivers) {
-    request.floor = true;
-    console.Note("no receiver is named: a floor under the scene receives");
-  }
+  const bool names_none = request.receivers.empty() && request.receiver_instances.empty();
+  request.floor = request.floor || names_none;
   const auto imported = ImportScene(request.scene);
   if (!imported.ok()) return imported.status();
-  const auto plan = PlanShadows(*imported, request);
+  auto plan = PlanShadows(*imported, request);
   if (!plan.ok()) return plan.status();
-  for (const std::string& note : plan->notes) console.Note(note);
+  if (!command.request.floor && names_none) {
+    plan->notes.push_back("no receiver is named: a floor under the scene receives");
+  }
   if (absl::Status status = PrepareOutputFolder(command.out); !status.ok()) return status;
 
   const auto engine = OpenEngine(command.engine);
@@ -109,6 +107,7 @@ absl::Status Run(const BakeCommand& command, const Console& console, std::stop_t
   const auto baked = BakeAll(command, *plan, **engine, scene->id(), console, stop);
   if (!baked.ok()) return baked.status();
 
+  for (const std::string& note : plan->notes) console.Note(note);
   if (command.json) {
     console.out << Json{{"revision", *revision}, {"baked", *baked}}.dump(2) << '\n';
   } else {

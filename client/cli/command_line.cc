@@ -42,9 +42,11 @@ class Grammar {
   void AddListings();
   void AddDemo();
 
-  // An option of one text, or of one text each time it is given, read by `read`.
-  void Add(CLI::App* app, const std::string& name, const std::string& form, const std::string& help,
-           std::function<absl::Status(const std::string&)> read);
+  // An option of one text, read by `read`; the second may be given several times.
+  using Read = std::function<absl::Status(const std::string&)>;
+  void Add(CLI::App* app, const char* name, const std::string& form, const char* help, Read read);
+  void AddRepeated(CLI::App* app, const char* name, const std::string& form, const char* help,
+                   Read read);
   template <typename T>
   void AddTo(CLI::App* app, const char* name, const char* form, const char* help, T& target,
              absl::StatusOr<T> (*read)(std::string_view option, std::string_view text)) {
@@ -67,8 +69,14 @@ class Grammar {
   Command chosen_;
 };
 
-void Grammar::Add(CLI::App* app, const std::string& name, const std::string& form,
-                  const std::string& help, std::function<absl::Status(const std::string&)> read) {
+void Grammar::Add(CLI::App* app, const char* name, const std::string& form, const char* help,
+                  Read read) {
+  const auto read_it = [this, read](const std::string& text) { error_.Update(read(text)); };
+  app->add_option_function<std::string>(name, read_it, help)->type_name(form);
+}
+
+void Grammar::AddRepeated(CLI::App* app, const char* name, const std::string& form,
+                          const char* help, Read read) {
   const auto read_all = [this, read](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) error_.Update(read(text));
   };
@@ -110,20 +118,19 @@ void Grammar::AddLights(CLI::App* app, ShadowRequest& request) {
       ->allow_extra_args(false)
       ->type_name("ID");
   for (const LightOption& option : LightOptions()) {
-    Add(app, option.name, absl::StrCat("\"", option.form, "\""), option.help,
-        [&request, &option](const std::string& text) {
-          return AddLight(option, text, request.lights);
-        });
+    AddRepeated(app, option.name, absl::StrCat("\"", option.form, "\""), option.help,
+                [&request, &option](const std::string& text) {
+                  return AddLight(option, text, request.lights);
+                });
   }
 }
 
 void Grammar::AddRequest(CLI::App* app, ShadowRequest& request, const char* size_name) {
   AddScene(app, request.scene);
-  AddTechnique(app, request.params);
   AddLights(app, request);
-  Add(app, "--receiver", "\"origin edge_u edge_v\"",
-      "A patch to receive shadows, lit on both sides",
-      [&request](const std::string& text) { return AddReceiver(text, request.receivers); });
+  AddRepeated(app, "--receiver", "\"origin edge_u edge_v\"",
+              "A patch to receive shadows, lit on both sides",
+              [&request](const std::string& text) { return AddReceiver(text, request.receivers); });
   app->add_option("--receiver-instance", request.receiver_instances,
                   "A flat instance of the scene to receive shadows")
       ->allow_extra_args(false)
@@ -139,6 +146,7 @@ void Grammar::AddRequest(CLI::App* app, ShadowRequest& request, const char* size
 void Grammar::AddBake() {
   CLI::App* app = AddCommand(bake_, "bake", "Write the soft shadows of a scene to files");
   AddRequest(app, bake_.request, "--size");
+  AddTechnique(app, bake_.request.params);
   AddEngine(app, bake_.engine);
   app->add_option("--threads", bake_.engine.threads, "Without a server: threads to compute on");
   app->add_option("--out", bake_.out, "Folder for NAME.exr, NAME.png and NAME.json")
@@ -155,6 +163,7 @@ void Grammar::AddView() {
   // As instances are where their file says nothing, so that a patch does not outshine them.
   view_.request.reflectance = Vec3(0.8f);
   AddRequest(app, view_.request, "--texture-size");
+  AddTechnique(app, view_.request.params);
   AddEngine(app, view_.engine);
   app->add_option("--threads", view_.engine.threads, "Without a server: threads to compute on");
   app->add_option("--receivers", view_.max_planar_receivers,
@@ -179,7 +188,7 @@ void Grammar::AddView() {
 
 void Grammar::AddPushAndWatch() {
   CLI::App* push = AddCommand(push_, "push", "Make a server's scene equal to a file");
-  AddScene(push, push_.scene);
+  AddRequest(push, push_.request, "--size");
   AddEngine(push, push_.engine, true);
   push->add_option("--scene", push_.scene_id, "The server's scene; made if there is none")
       ->type_name("ID")

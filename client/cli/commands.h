@@ -60,7 +60,7 @@ struct ViewCommand {
 
 struct PushCommand {
   EngineChoice engine;
-  std::filesystem::path scene;
+  ShadowRequest request;  // without parameters
   std::string scene_id;
   bool json = false;
 };

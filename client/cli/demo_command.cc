@@ -118,7 +118,7 @@ absl::Status Demonstration::Show(const std::string& title, const std::string& pi
   console_.out << absl::StrFormat(
       "%s (revision %d)\n"
       "  commit answered after %.1f ms, first shadows after %.1f ms, all final after %.1f ms\n"
-      "  %d textures in %d updates, %.1f kB; drawn in %.1f ms by %s\n"
+      "  %d shadow textures in %d updates, %.1f kB; drawn in %.1f ms by %s\n"
       "  %s\n",
       title, (*scene)->revision(), committed_ms - start_ms, received.first_ms - start_ms,
       received.last_ms - start_ms, shadows.size(), received.updates, received.bytes * 1e-3,
@@ -134,7 +134,6 @@ absl::Status Run(const DemoCommand& command, const Console& console, std::stop_t
   if (!imported.ok()) return imported.status();
   const auto plan = PlanShadows(*imported, DemoRequest(command, *imported));
   if (!plan.ok()) return plan.status();
-  for (const std::string& note : plan->notes) console.Note(note);
   if (absl::Status status = PrepareOutputFolder(command.out); !status.ok()) return status;
 
   const auto engine = RemoteEngine::Connect({.address = command.engine.server});
@@ -145,6 +144,9 @@ absl::Status Run(const DemoCommand& command, const Console& console, std::stop_t
   absl::Status status =
       demonstration.Begin(*plan, ChooseCamera(*imported, /*has_floor=*/true, command.size));
   if (status.ok()) status = demonstration.Step("an object moved", "2-object.png", MoveAnObject);
+  if (status.ok()) {
+    for (const std::string& note : plan->notes) console.Note(note);
+  }
   if (status.ok()) status = demonstration.Step("the lamp moved", "3-lamp.png", MoveTheLamp);
   return status;
 }

@@ -2,6 +2,7 @@
 // sense.
 #include <unistd.h>
 
+#include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -18,14 +19,23 @@ int Fail(const absl::Status& status, int exit_status) {
   return exit_status;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int RunProgram(const std::vector<std::string>& arguments) {
   const penumbra::Interrupt interrupt;
-  const auto command = penumbra::ParseCommandLine({argv + 1, argv + argc});
+  const auto command = penumbra::ParseCommandLine(arguments);
   if (!command.ok()) return Fail(command.status(), 2);
   const penumbra::Console console{
       .out = std::cout, .err = std::cerr, .err_is_terminal = isatty(STDERR_FILENO) != 0};
   const absl::Status status = penumbra::RunCommand(*command, console, interrupt.token());
   return status.ok() ? 0 : Fail(status, 1);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return RunProgram({argv + 1, argv + argc});
+  } catch (const std::exception& error) {
+    // No memory left, in all likelihood: nothing of ours throws.
+    return Fail(absl::ResourceExhaustedError(error.what()), 1);
+  }
 }

@@ -5,14 +5,14 @@
 #include "client/cli/open_engine.h"
 #include "client/cli/replace_scene.h"
 #include "client/cli/run_command.h"
-#include "client/import/import_scene.h"
+#include "client/cli/shadow_plan.h"
 #include "client/session/remote_engine.h"
 #include "client/session/steady_clock.h"
 
 namespace penumbra {
 namespace {
 
-void Report(const PushCommand& command, const ImportedScene& imported, Revision revision,
+void Report(const PushCommand& command, const ShadowPlan& plan, Revision revision,
             const UploadTraffic& traffic, double wall_ms, const Console& console) {
   if (command.json) {
     const nlohmann::ordered_json json = {
@@ -21,18 +21,20 @@ void Report(const PushCommand& command, const ImportedScene& imported, Revision 
         {"blobs_known", traffic.blobs_known}, {"wall_ms", wall_ms}};
     console.out << json.dump(2) << '\n';
   } else {
-    console.out << absl::StrFormat("%s is at revision %d: %d instances, %d lights, %.0f ms\n",
-                                   command.scene_id, revision, imported.instances.size(),
-                                   imported.lights.size(), wall_ms);
+    console.out << absl::StrFormat(
+        "%s is at revision %d: %d instances, %d lights, %d receivers, %.0f ms\n", command.scene_id,
+        revision, plan.delta.upsert_instances.size(), plan.light_ids.size(),
+        plan.receiver_ids.size(), wall_ms);
   }
 }
 
 }  // namespace
 
 absl::Status Run(const PushCommand& command, const Console& console, std::stop_token) {
-  const auto imported = ImportScene(command.scene);
+  const auto imported = ImportScene(command.request.scene);
   if (!imported.ok()) return imported.status();
-  for (const std::string& warning : imported->warnings) console.Note(warning);
+  const auto plan = PlanShadows(*imported, command.request);
+  if (!plan.ok()) return plan.status();
 
   ProgressLine progress(console);
   const auto show = [&](uint64_t sent, uint64_t total) {
@@ -49,7 +51,7 @@ absl::Status Run(const PushCommand& command, const Console& console, std::stop_t
   if (!present.ok()) return present.status();
 
   // A lamp or a patch that others added goes too: the scene is the file's afterwards.
-  const SceneDelta delta = ReplacementDelta(**present, ToSceneDelta(*imported));
+  const SceneDelta delta = ReplacementDelta(**present, plan->delta);
   absl::StatusOr<Revision> revision = (*present)->revision();
   if (!delta.empty()) revision = (*engine)->Commit(command.scene_id, delta);
   if (!revision.ok()) return revision.status();
@@ -58,7 +60,8 @@ absl::Status Run(const PushCommand& command, const Console& console, std::stop_t
   const double wall_ms = NowMs() - start_ms;
   progress.Finish(absl::StrFormat("sent %d blobs, %.2f MB; %d were there", traffic.blobs_sent,
                                   traffic.bytes_sent * 1e-6, traffic.blobs_known));
-  Report(command, *imported, *revision, traffic, wall_ms, console);
+  for (const std::string& note : plan->notes) console.Note(note);
+  Report(command, *plan, *revision, traffic, wall_ms, console);
   return absl::OkStatus();
 }
 

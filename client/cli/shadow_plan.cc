@@ -119,9 +119,10 @@ AreaLight LightAbove(const Aabb& bounds) {
   const Aabb box = bounds.empty() ? Aabb{.min = Vec3(-0.5f), .max = Vec3(0.5f)} : bounds;
   const Vec3 extent = box.extent();
   const float width = std::max({extent.x, extent.z, 0.5f * extent.y, 1e-3f});
-  const float side = 0.4f * width;
-  // Half the width above the top: shadows then reach past the objects, with wide penumbrae.
-  const Vec3 middle(box.center().x, box.max.y + 0.5f * width, box.center().z);
+  // As far above the top as the scene is wide, and half as wide: tops are not much brighter than
+  // the floor then, and penumbrae are wide enough to see.
+  const float side = 0.5f * width;
+  const Vec3 middle(box.center().x, box.max.y + width, box.center().z);
   RectangleLight light{.corner = middle - Vec3(0.5f * side, 0, 0.5f * side),
                        .edge_u = {side, 0, 0},
                        .edge_v = {0, 0, side}};

@@ -20,11 +20,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Adds the scene's own flat surfaces where the request names none.
-ShadowRequest WithPlanarReceivers(ShadowRequest request, const ImportedScene& imported,
-                                  size_t count) {
+// Adds the scene's own flat surfaces where the request names none, or a floor where there are none.
+ShadowRequest WithReceivers(ShadowRequest request, const ImportedScene& imported, size_t count) {
   if (!request.receivers.empty() || !request.receiver_instances.empty()) return request;
   request.receiver_instances = LargestPlanarInstances(imported, count);
+  if (request.receiver_instances.empty()) request.floor = true;
   return request;
 }
 
@@ -63,11 +63,10 @@ absl::StatusOr<Shadows> Receive(Engine& engine, const std::string& scene_id, con
   return shadows;
 }
 
-absl::Status Draw(const ViewCommand& command, const ImportedScene& imported, const Scene& scene,
+absl::Status Draw(const ViewCommand& command, const Camera& camera, const Scene& scene,
                   const Shadows& shadows, const Console& console) {
   const DrawRequest draw{.size = command.size,
-                         .camera = command.camera.value_or(
-                             ChooseCamera(imported, command.request.floor, command.size)),
+                         .camera = camera,
                          .ambient = command.ambient,
                          .exposure = command.exposure,
                          .culls_back_faces = command.culls_back_faces};
@@ -78,9 +77,9 @@ absl::Status Draw(const ViewCommand& command, const ImportedScene& imported, con
   if (command.json) {
     console.out << ToJson(command, shadows.size(), *drawn).dump(2) << '\n';
   } else {
-    console.out << absl::StrFormat("wrote %s with %d textures, drawn in %.1f ms by %s\n",
-                                   command.out.string(), shadows.size(), drawn->draw_ms,
-                                   drawn->renderer);
+    console.out << absl::StrFormat("wrote %s with %d texture%s, drawn in %.1f ms by %s\n",
+                                   command.out.string(), shadows.size(),
+                                   shadows.size() == 1 ? "" : "s", drawn->draw_ms, drawn->renderer);
   }
   return absl::OkStatus();
 }
@@ -91,12 +90,11 @@ absl::Status Run(const ViewCommand& command, const Console& console, std::stop_t
   const auto imported = ImportScene(command.request.scene);
   if (!imported.ok()) return imported.status();
   const ShadowRequest request =
-      WithPlanarReceivers(command.request, *imported, command.max_planar_receivers);
-  const auto plan = PlanShadows(*imported, request);
+      WithReceivers(command.request, *imported, command.max_planar_receivers);
+  auto plan = PlanShadows(*imported, request);
   if (!plan.ok()) return plan.status();
-  for (const std::string& note : plan->notes) console.Note(note);
-  if (plan->receiver_ids.empty()) {
-    console.Note("no flat instance receives: nothing will be in shadow; try --floor");
+  if (request.floor && !command.request.floor) {
+    plan->notes.push_back("no flat instance receives: a floor under the scene does");
   }
   absl::Status status = CheckPicturePath(command.out);
   if (status.ok()) status = PrepareOutputFile(command.out);
@@ -113,7 +111,10 @@ absl::Status Run(const ViewCommand& command, const Console& console, std::stop_t
   const auto scene = (*engine)->Snapshot(temporary->id());
   if (!scene.ok()) return scene.status();
 
-  return Draw(command, *imported, **scene, *shadows, console);
+  for (const std::string& note : plan->notes) console.Note(note);
+  const Camera camera =
+      command.camera.value_or(ChooseCamera(*imported, request.floor, command.size));
+  return Draw(command, camera, **scene, *shadows, console);
 }
 
 }  // namespace penumbra

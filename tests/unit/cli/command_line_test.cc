@@ -140,7 +140,7 @@ TEST(CommandLineTest, View) {
 
 TEST(CommandLineTest, TheOthers) {
   const auto push = Parsed<PushCommand>({"push", "a.ply", "--server", "h:1", "--scene", "s"});
-  EXPECT_EQ(push.scene, "a.ply");
+  EXPECT_EQ(push.request.scene, "a.ply");
   EXPECT_EQ(push.engine.server, "h:1");
   EXPECT_EQ(push.scene_id, "s");
   const auto watch = Parsed<WatchCommand>({"watch", "--server", "h:1", "--scene", "s", "--updates",

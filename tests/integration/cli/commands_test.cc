@@ -1,0 +1,141 @@
+// The other commands of the real program.
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include "client/display/image_io.h"
+#include "tests/integration/cli/run_program.h"
+
+namespace penumbra::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+std::vector<Json> JsonLines(const std::string& text) {
+  std::vector<Json> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    lines.push_back(Json::parse(line, nullptr, false));
+  }
+  return lines;
+}
+
+class CommandsTest : public ProgramTest {
+ protected:
+  std::vector<std::string> PushWords(const std::string& address, const std::string& lamp) {
+    return {"push",    scene_,   "--server", address,        "--scene", "studio",
+            "--floor", "--size", "32",       "--rect-light", lamp,      "--json"};
+  }
+  // Until the file of a started program holds `text`.
+  bool WaitForOutput(const std::string& name, const std::string& text) {
+    for (int i = 0; i < 400; ++i) {
+      if (ReadText(folder_ / (name + ".out")).find(text) != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
+  }
+};
+
+TEST_F(CommandsTest, PushSendsOnceAndWatchSeesEachRevision) {
+  const std::string address = StartServer();
+  const Finished first = Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5"));
+  ASSERT_EQ(first.exit_status, 0) << first.err;
+  EXPECT_EQ(Json::parse(first.out)["revision"], 1);
+  EXPECT_GT(Json::parse(first.out)["blobs_sent"], 0);
+  const Finished again = Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5"));
+  ASSERT_EQ(again.exit_status, 0) << again.err;
+  EXPECT_EQ(Json::parse(again.out)["revision"], 1) << "nothing changed";
+  EXPECT_EQ(Json::parse(again.out)["blobs_sent"], 0);
+
+  const pid_t watch = Start({"watch", "--server", address, "--scene", "studio", "--json"}, "watch");
+  ASSERT_TRUE(WaitForOutput("watch", "\"revision\":1"));
+  ASSERT_EQ(Run(PushWords(address, "0 6 -1 2 0 0 0 0 2 5")).exit_status, 0);
+  ASSERT_TRUE(WaitForOutput("watch", "\"revision\":2"));
+  ASSERT_EQ(kill(watch, SIGINT), 0);
+  const Finished watched = Wait(watch, "watch");
+  EXPECT_EQ(watched.exit_status, 0) << watched.err;
+  for (const Json& line : JsonLines(watched.out)) {
+    ASSERT_TRUE(line.is_object()) << watched.out;
+    EXPECT_EQ(line["receiver"], "floor");
+    EXPECT_EQ(line["light"], "rect-light");
+    EXPECT_GT(line["bytes"], 0);
+    EXPECT_GE(line["latency_ms"], 0.0);
+    EXPECT_TRUE(line.contains("pass"));
+  }
+}
+
+TEST_F(CommandsTest, AServerThatDiesUnderAWatchIsToldOnOneLine) {
+  const std::string address = StartServer();
+  ASSERT_EQ(Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5")).exit_status, 0);
+  const pid_t watch = Start({"watch", "--server", address, "--scene", "studio"}, "watch");
+  ASSERT_TRUE(WaitForOutput("watch", "(final)"));
+  server_->Shutdown(std::chrono::seconds(1));
+  server_.reset();
+  const Finished watched = Wait(watch, "watch");
+  EXPECT_EQ(watched.exit_status, 1);
+  EXPECT_EQ(std::count(watched.err.begin(), watched.err.end(), '\n'), 1) << watched.err;
+  EXPECT_THAT(watched.err, AllOf(HasSubstr("penumbra: 127.0.0.1:"), HasSubstr("gone away")));
+}
+
+TEST_F(CommandsTest, WatchStopsAfterTheUpdatesAskedFor) {
+  const std::string address = StartServer();
+  ASSERT_EQ(Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5")).exit_status, 0);
+  const Finished watched =
+      Run({"watch", "--server", address, "--scene", "studio", "--updates", "1", "--samples", "4"});
+  EXPECT_EQ(watched.exit_status, 0) << watched.err;
+  EXPECT_THAT(watched.out, AllOf(HasSubstr("revision 1"), HasSubstr("floor.rect-light"),
+                                 HasSubstr("bytes"), HasSubstr("latency")));
+  EXPECT_EQ(std::count(watched.out.begin(), watched.out.end(), '\n'), 1) << watched.out;
+}
+
+TEST_F(CommandsTest, ViewDrawsWhatItReceives) {
+  const std::string address = StartServer();
+  const std::string picture = folder_ / "view.png";
+  const Finished view = Run({"view", scene_, "--server", address, "--floor", "--size", "160x120",
+                             "--texture-size", "64", "--camera", "6 7 9, 0 1 0, 45", "--json",
+                             "--rect-light", "-1 6 -1 2 0 0 0 0 2 5", "--out", picture});
+  ASSERT_EQ(view.exit_status, 0) << view.err;
+  EXPECT_EQ(Json::parse(view.out)["textures"], 2) << "the floor and the wall";
+  const auto png = ReadImage(picture);
+  ASSERT_TRUE(png.ok()) << png.status();
+  EXPECT_EQ(png->width, 160);
+  EXPECT_EQ(png->height, 120);
+  const auto [darkest, lightest] = std::ranges::minmax(png->values.at("G"));
+  EXPECT_GT(lightest - darkest, 0.3f) << "an empty picture";
+}
+
+TEST_F(CommandsTest, TheDemonstrationMovesAnObjectAndTheLamp) {
+  const std::string address = StartServer();
+  const Finished demo = Run({"demo", scene_, "--server", address, "--out", folder_ / "demo",
+                             "--size", "120x80", "--texture-size", "64"});
+  ASSERT_EQ(demo.exit_status, 0) << demo.err;
+  EXPECT_THAT(demo.out, AllOf(HasSubstr("revision 1"), HasSubstr("an object moved (revision 2)"),
+                              HasSubstr("the lamp moved (revision 3)"), HasSubstr("3-lamp.png")));
+  std::vector<std::string> pictures;
+  for (const char* name : {"1-before.png", "2-object.png", "3-lamp.png"}) {
+    pictures.push_back(ReadText(folder_ / "demo" / name));
+    EXPECT_GT(pictures.back().size(), 200u) << name;
+  }
+  EXPECT_NE(pictures[0], pictures[1]);
+  EXPECT_NE(pictures[1], pictures[2]);
+  EXPECT_THAT(Run({"info", "--server", address}).out, HasSubstr("statistics.commits  3"));
+}
+
+TEST_F(CommandsTest, TechniquesAndInfoReadTheSameHereAndOnAServer) {
+  const std::string address = StartServer();
+  const Finished here = Run({"techniques", "--json"});
+  const Finished there = Run({"techniques", "--json", "--server", address});
+  EXPECT_EQ(here.exit_status, 0);
+  EXPECT_EQ(Json::parse(here.out), Json::parse(there.out));
+  EXPECT_THAT(Run({"techniques"}).out, HasSubstr("soft_texture"));
+  EXPECT_TRUE(Json::parse(Run({"info", "--json", "--server", address}).out)["limits"].contains(
+      "max_light_samples"));
+}
+
+}  // namespace
+}  // namespace penumbra::testing

@@ -1,0 +1,88 @@
+// What bad input gets: one line on standard error that starts with "penumbra: ", and a status.
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "tests/integration/cli/run_program.h"
+
+namespace penumbra::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class ErrorsTest : public ProgramTest {
+ protected:
+  void ExpectError(const std::vector<std::string>& arguments, const std::string& fragment,
+                   int exit_status = 1) {
+    SCOPED_TRACE(::testing::PrintToString(arguments));
+    const Finished run = Run(arguments);
+    EXPECT_EQ(run.exit_status, exit_status);
+    EXPECT_EQ(run.out, "");
+    EXPECT_THAT(run.err, StartsWith("penumbra: "));
+    EXPECT_THAT(run.err, HasSubstr(fragment));
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  }
+  std::vector<std::string> Bake(const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"bake", scene_, "--out", folder_ / "out"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+};
+
+TEST_F(ErrorsTest, CommandLinesThatMakeNoSense) {
+  ExpectError({}, "subcommand", 2);
+  ExpectError({"bake"}, "SCENE", 2);
+  ExpectError({"bake", scene_}, "--out", 2);
+  ExpectError(Bake({"--rect-light", "1 2 3"}), "--rect-light: found 3 numbers, need 10 or 12", 2);
+  ExpectError(Bake({"--size", "0x7"}), "--size: found \"0x7\"", 2);
+  ExpectError(Bake({"--technique", "magic"}), "--technique: found \"magic\"", 2);
+}
+
+TEST_F(ErrorsTest, FilesThatCannotBeRead) {
+  ExpectError({"bake", folder_ / "none.glb", "--out", folder_ / "out"}, "none.glb");
+  ExpectError({"bake", folder_, "--out", folder_ / "out"}, folder_);
+  std::ofstream(folder_ / "broken.glb") << "glTF and then nothing";
+  ExpectError({"bake", folder_ / "broken.glb", "--out", folder_ / "out"}, "broken.glb");
+  std::ofstream(folder_ / "far.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
+  ExpectError({"bake", folder_ / "far.obj", "--out", folder_ / "out"}, "far.obj");
+}
+
+TEST_F(ErrorsTest, PlacesThatCannotBeWritten) {
+  ExpectError({"bake", scene_, "--out", "/proc/penumbra"}, "/proc/penumbra: cannot be written");
+  ExpectError({"bake", scene_, "--out", scene_}, "found a file, need a folder");
+  ExpectError({"view", scene_, "--out", folder_ / "view.jpg"}, "ends in .png or .exr");
+  ExpectError({"view", scene_, "--out", "/proc/penumbra/view.png"}, "cannot be written");
+}
+
+TEST_F(ErrorsTest, ScenesThatCannotBeComputed) {
+  ExpectError(Bake({"--samples", "0"}), "samples: found 0, need 1 to 1024");
+  ExpectError(Bake({"--samples", "100000"}), "samples");
+  ExpectError(Bake({"--light", "moon"}), "--light: found \"moon\"");
+  ExpectError(Bake({"--receiver-instance", "moon"}), "--receiver-instance: found \"moon\"");
+  ExpectError(Bake({"--receiver-instance", "box"}), "not flat");
+  ExpectError(Bake({"--receiver", "0 0 0 1 0 0 2 0 0"}), "edge_v");
+  ExpectError(Bake({"--rect-light", "0 5 0 0 0 0 0 0 1 5"}), "edge_u");
+  ExpectError(Bake({"--sphere-light", "0 5 0 -1 5"}), "radius");
+}
+
+TEST_F(ErrorsTest, ServersThatAreNotThere) {
+  const std::string address = StartServer();
+  server_.reset();
+  ExpectError(Bake({"--server", address}), address + ": no server answers");
+  ExpectError({"push", scene_, "--server", address, "--scene", "s"}, "no server answers");
+  ExpectError({"watch", "--server", address, "--scene", "s"}, "no server answers");
+  ExpectError({"info", "--server", address}, "no server answers");
+  ExpectError({"techniques", "--server", "no host"}, "no host");
+}
+
+TEST_F(ErrorsTest, ScenesThatAServerDoesNotHave) {
+  const std::string address = StartServer();
+  ExpectError({"watch", "--server", address, "--scene", "nowhere"}, "nowhere");
+  ExpectError({"push", scene_, "--server", address, "--scene", "no blanks"}, "scene_id: found byte 32");
+  ExpectError(Bake({"--server", address, "--samples", "0"}), "samples: found 0");
+  EXPECT_THAT(Run({"info", "--server", address}).out, HasSubstr("statistics.open_sessions  0"));
+}
+
+}  // namespace
+}  // namespace penumbra::testing
