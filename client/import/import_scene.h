@@ -1,8 +1,8 @@
 // Reads scene files: glTF 2.0 (.gltf, .glb), Wavefront OBJ and PLY.
 //
 //   auto imported = ImportScene("table.glb");
-//   if (!imported.ok()) return imported.status();  // "table.glb: accessors[3].bufferView: found 9, …"
-//   scene = scene->Apply(ToSceneDelta(*imported));
+//   if (!imported.ok()) return imported.status();  // "table.glb: accessors[3].bufferView: found 9,
+//   …" scene = scene->Apply(ToSceneDelta(*imported));
 #pragma once
 
 #include <filesystem>
@@ -27,8 +27,8 @@ struct ImportedCamera {
   float fov_y = 0.785398163f;  // radians, the whole vertical opening
 };
 
-// Everything in world space: metres, +Y up, right-handed. Ids come from the file's names and are the
-// same each time the file is read. Instances of one mesh share it.
+// Everything in world space: metres, +Y up, right-handed. Ids come from the file's names and are
+// the same each time the file is read. Instances of one mesh share it.
 struct ImportedScene {
   std::vector<Instance> instances;
   std::vector<AreaLight> lights;
@@ -38,12 +38,14 @@ struct ImportedScene {
 };
 
 // Reads the file at `path`. What it is, its first bytes say, or else its extension. Other files are
-// opened only if a relative URI names them and they lie in the folder of `path` or below it; nothing
-// is ever fetched. docs/scene-files.md lists what is read and how units are taken.
+// opened only if a relative URI names them and they lie in the folder of `path` or below it;
+// nothing is ever fetched. docs/scene-files.md lists what is read and how units are taken.
 //
-// Errors  kNotFound: no such file, or one that it names; kPermissionDenied: cannot be read, or a URI
+// Errors  kNotFound: no such file, or one that it names; kPermissionDenied: cannot be read, or a
+// URI
 //         leads out of the folder; kInvalidArgument: malformed, the message names the field;
-//         kUnimplemented: needs an extension that is not supported; kResourceExhausted: over a limit
+//         kUnimplemented: needs an extension that is not supported; kResourceExhausted: over a
+//         limit
 absl::StatusOr<ImportedScene> ImportScene(const std::filesystem::path& path,
                                           const SceneLimits& limits = {});
 
