@@ -11,6 +11,7 @@
 #include <string>
 #include <thread>
 
+#include "google/protobuf/stubs/logging.h"
 #include "server/penumbra_server.h"
 #include "server/server_identity.h"
 
@@ -41,9 +42,11 @@ int WaitFor(const sigset_t& signals) {
   return number;
 }
 
-// gRPC reports a failed bind on stderr in lines of its own; ours says it in one.
-void SilenceGrpc() {
+// gRPC reports a failed bind on stderr in lines of its own, where ours says it in one; protobuf
+// reports each malformed message, which any client can send.
+void SilenceLibraries() {
   if (!std::getenv("GRPC_VERBOSITY")) gpr_set_log_function([](gpr_log_func_args*) {});
+  google::protobuf::SetLogHandler(nullptr);
 }
 
 bool WriteAddress(const std::string& file, const std::string& address) {
@@ -102,7 +105,7 @@ void AddOptions(CLI::App& app, CommandLine& command) {
 }  // namespace penumbra
 
 int main(int argc, char** argv) {
-  penumbra::SilenceGrpc();
+  penumbra::SilenceLibraries();
   CLI::App app{"Penumbra server: computes soft shadows for the scenes that clients stream to it."};
   penumbra::CommandLine command;
   penumbra::AddOptions(app, command);

@@ -1,0 +1,284 @@
+// Starting and ending, in this process and as the program penumbrad.
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <future>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "grpcpp/create_channel.h"
+#include "render/scene/field_error.h"
+#include "server/listen_address.h"
+#include "tests/integration/service/studio.h"
+
+namespace penumbra::testing {
+namespace {
+
+using std::chrono::milliseconds, std::chrono::seconds;
+using ::testing::HasSubstr;
+
+// The program with its output in pipes.
+class Daemon {
+ public:
+  explicit Daemon(std::vector<std::string> arguments) {
+    int out[2], err[2];
+    EXPECT_EQ(pipe2(out, O_CLOEXEC), 0);
+    EXPECT_EQ(pipe2(err, O_CLOEXEC), 0);
+    arguments.insert(arguments.begin(), PENUMBRAD);
+    std::vector<char*> argv;
+    for (auto& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ == 0) {
+      dup2(out[1], STDOUT_FILENO);
+      dup2(err[1], STDERR_FILENO);
+      execv(argv[0], argv.data());
+      _exit(127);
+    }
+    close(out[1]);
+    close(err[1]);
+    out_ = out[0];
+    err_ = err[0];
+  }
+  ~Daemon() {
+    if (pid_ > 0) {
+      kill(pid_, SIGKILL);
+      Wait();
+    }
+    close(out_);
+    close(err_);
+  }
+
+  // The first line that it writes, without the end.
+  std::string OutputLine() { return ReadLine(out_); }
+  std::string ErrorLine() { return ReadLine(err_); }
+  std::string Address() {
+    const std::string line = OutputLine();
+    const std::string prefix = "listening on ";
+    EXPECT_THAT(line, ::testing::StartsWith(prefix));
+    return line.size() > prefix.size() ? line.substr(prefix.size()) : std::string();
+  }
+  void Signal(int number) { kill(pid_, number); }
+  // Its exit status; −signal where a signal ended it.
+  int Wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+ private:
+  static std::string ReadLine(int fd) {
+    std::string line;
+    char c;
+    while (read(fd, &c, 1) == 1 && c != '\n') line += c;
+    return line;
+  }
+
+  pid_t pid_ = -1;
+  int out_ = -1;
+  int err_ = -1;
+};
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+TEST(PenumbradTest, SigtermEndsItAfterTellingItsSessions) {
+  Daemon daemon({"--listen", "127.0.0.1:0", "--drain-seconds", "30"});
+  WireClient client(daemon.Address());
+  ASSERT_EQ(client.CreateScene("studio"), absl::OkStatus());
+  auto session = client.OpenSession("studio");
+  const auto start = std::chrono::steady_clock::now();
+  daemon.Signal(SIGTERM);
+  const absl::Status ended = session->End();
+  EXPECT_EQ(ended.code(), absl::StatusCode::kUnavailable) << ended;
+  EXPECT_EQ(ErrorReason(ended), "SHUTTING_DOWN");
+  EXPECT_EQ(daemon.Wait(), 0);
+  EXPECT_LT(SecondsSince(start), 10.0) << "an open session does not hold it up";
+}
+
+TEST(PenumbradTest, DrainingTakesNoLongerThanStated) {
+  Daemon daemon({"--listen", "127.0.0.1:0", "--drain-seconds", "1"});
+  WireClient client(daemon.Address());
+  ASSERT_EQ(client.CreateScene("studio"), absl::OkStatus());
+  grpc::ClientContext context;
+  v1::UploadBlobResponse response;
+  const auto endless = client.stub().UploadBlob(&context, &response);
+  endless->Write(v1::UploadBlobRequest());  // refused, but never finished by this side
+  grpc::ClientContext second_context;
+  const auto silent = client.stub().UploadBlob(&second_context, &response);
+  std::this_thread::sleep_for(milliseconds(200));
+  const auto start = std::chrono::steady_clock::now();
+  daemon.Signal(SIGTERM);
+  EXPECT_EQ(daemon.Wait(), 0);
+  EXPECT_LT(SecondsSince(start), 5.0);
+  EXPECT_FALSE(silent->Finish().ok());
+  EXPECT_FALSE(endless->Finish().ok());
+}
+
+TEST(PenumbradTest, ASecondSigtermEndsItNow) {
+  Daemon daemon({"--listen", "127.0.0.1:0", "--drain-seconds", "60"});
+  WireClient client(daemon.Address());
+  grpc::ClientContext context;
+  v1::UploadBlobResponse response;
+  const auto silent = client.stub().UploadBlob(&context, &response);
+  ASSERT_EQ(client.CreateScene("studio"), absl::OkStatus());
+  daemon.Signal(SIGTERM);
+  std::this_thread::sleep_for(milliseconds(300));
+  daemon.Signal(SIGTERM);
+  EXPECT_EQ(daemon.Wait(), 128 + SIGTERM);
+  EXPECT_FALSE(silent->Finish().ok());
+}
+
+TEST(PenumbradTest, StartUpErrorsAreOneLineAndAStatus) {
+  Daemon first({"--listen", "127.0.0.1:0"});
+  const std::string address = first.Address();
+  Daemon second({"--listen", address});
+  EXPECT_THAT(second.ErrorLine(),
+              ::testing::AllOf(HasSubstr("listen"), HasSubstr(address), HasSubstr("in use")));
+  EXPECT_EQ(second.ErrorLine(), "");
+  EXPECT_EQ(second.Wait(), EXIT_FAILURE);
+  for (const char* bad : {"0.0.0.0:0", "example.org:80", "127.0.0.1", "127.0.0.1:99999", "unix:"}) {
+    Daemon daemon({"--listen", bad});
+    EXPECT_THAT(daemon.ErrorLine(), ::testing::AllOf(HasSubstr("listen"), HasSubstr(bad)));
+    EXPECT_EQ(daemon.Wait(), EXIT_FAILURE);
+  }
+  Daemon unknown({"--what"});
+  EXPECT_THAT(unknown.ErrorLine(), HasSubstr("--what"));
+  EXPECT_EQ(unknown.Wait(), EXIT_FAILURE);
+}
+
+TEST(PenumbradTest, WithoutTheEglDeviceItServesDegraded) {
+  Daemon daemon({"--listen", "127.0.0.1:0", "--egl-device", "no-such-device"});
+  WireClient client(daemon.Address());
+  EXPECT_THAT(daemon.ErrorLine(), HasSubstr("degraded"));
+  const auto info = client.ServerInfo();
+  EXPECT_TRUE(info.is_degraded());
+  EXPECT_THAT(info.gl().error(), HasSubstr("no-such-device"));
+  EXPECT_EQ(client.CreateScene("studio"), absl::OkStatus());
+}
+
+TEST(PenumbradTest, AServerThatIsKilledEndsItsClientsCalls) {
+  Daemon daemon({"--listen", "127.0.0.1:0"});
+  WireClient client(daemon.Address());
+  ASSERT_EQ(client.CreateScene("studio"), absl::OkStatus());
+  auto session = client.OpenSession("studio");
+  daemon.Signal(SIGKILL);
+  EXPECT_EQ(session->End().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(client.CreateScene("other").code(), absl::StatusCode::kUnavailable);
+}
+
+TEST(PenumbraServerTest, ListensOnASocketFileAndNotOnOneInUse) {
+  const std::string path =
+      std::filesystem::temp_directory_path() / ("penumbra-test-" + std::to_string(getpid()));
+  ServerOptions options;
+  options.listen = "unix:" + path;
+  options.opens_gl = false;
+  const auto server = PenumbraServer::Start(options);
+  ASSERT_TRUE(server.ok()) << server.status();
+  EXPECT_EQ(WireClient((*server)->address()).CreateScene("studio"), absl::OkStatus());
+  const auto second = PenumbraServer::Start(options);
+  EXPECT_EQ(ErrorReason(second.status()), "CANNOT_LISTEN");
+}
+
+TEST(PenumbraServerTest, TellsOfItself) {
+  ServerOptions options;
+  options.listen = "127.0.0.1:0";
+  options.threads = 2;
+  const auto server = PenumbraServer::Start(options);
+  ASSERT_TRUE(server.ok()) << server.status();
+  WireClient client((*server)->address());
+  const auto info = client.ServerInfo();
+  EXPECT_EQ(info.protocol_versions(0), 1u);
+  EXPECT_EQ(info.thread_count(), 2u);
+  EXPECT_EQ(info.limits().max_message_bytes(), 1u << 20);
+  EXPECT_EQ(info.limits().max_lights(), SceneLimits().max_lights);
+  EXPECT_NE(info.gl().renderer().empty(), info.gl().error().empty());
+  EXPECT_EQ(info.is_degraded(), info.gl().renderer().empty());
+  grpc::ClientContext context;
+  v1::ListTechniquesResponse techniques;
+  ASSERT_TRUE(
+      client.stub().ListTechniques(&context, v1::ListTechniquesRequest(), &techniques).ok());
+  EXPECT_EQ(techniques.techniques(0).name(), "soft_texture");
+  EXPECT_EQ(techniques.techniques(0).parameters(0).name(), "samples");
+}
+
+// A call by name with an empty message, for services whose stubs are not at hand.
+grpc::StatusCode CallByName(WireClient& client, const char* method) {
+  using Bytes = grpc::ByteBuffer;
+  grpc::ClientContext context;
+  const auto stream = std::unique_ptr<grpc::ClientReaderWriter<Bytes, Bytes>>(
+      grpc::internal::ClientReaderWriterFactory<Bytes, Bytes>::Create(
+          client.channel().get(),
+          grpc::internal::RpcMethod(method, grpc::internal::RpcMethod::BIDI_STREAMING), &context));
+  const grpc::Slice nothing("");
+  stream->Write(Bytes(&nothing, 1));
+  stream->WritesDone();
+  Bytes answer;
+  while (stream->Read(&answer)) {
+  }
+  return stream->Finish().error_code();
+}
+
+TEST(PenumbraServerTest, HealthIsServedAndReflectionOnlyOnRequest) {
+  constexpr char kReflection[] = "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo";
+  const auto server = StartServer();
+  WireClient client(server->address());
+  EXPECT_EQ(CallByName(client, "/grpc.health.v1.Health/Check"), grpc::StatusCode::OK);
+  EXPECT_EQ(CallByName(client, kReflection), grpc::StatusCode::UNIMPLEMENTED);
+  ServerOptions options;
+  options.reflection = true;
+  const auto open_server = StartServer(options);
+  WireClient other(open_server->address());
+  EXPECT_EQ(CallByName(other, kReflection), grpc::StatusCode::OK);
+}
+
+TEST(PenumbraServerTest, RefusesCompressedMessages) {
+  const auto server = StartServer();
+  WireClient client(server->address());
+  grpc::ClientContext context;
+  context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
+  v1::CreateSceneRequest request;
+  request.set_scene_id(std::string(100'000, 'a'));
+  v1::CreateSceneResponse response;
+  EXPECT_EQ(client.stub().CreateScene(&context, request, &response).error_code(),
+            grpc::StatusCode::UNIMPLEMENTED);
+}
+
+TEST(PenumbraServerTest, AnUploadThatFallsSilentIsDropped) {
+  ServerOptions options;
+  options.limits.upload_idle_timeout = seconds(1);
+  const auto server = StartServer(options);
+  WireClient client(server->address());
+  grpc::ClientContext context;
+  v1::UploadBlobResponse response;
+  const auto writer = client.stub().UploadBlob(&context, &response);
+  v1::UploadBlobRequest request;
+  request.mutable_header()->set_hash(std::string(32, 'x'));
+  request.mutable_header()->set_size_bytes(1'000'000);
+  writer->Write(request);
+  EXPECT_EQ(writer->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_EQ(client.ServerInfo().statistics().blob_bytes(), 0u);
+}
+
+TEST(PenumbraServerTest, ShutsDownWithSessionsOpen) {
+  auto server = StartServer();
+  WireClient client(server->address());
+  ASSERT_EQ(client.CreateScene("studio"), absl::OkStatus());
+  auto session = client.OpenSession("studio");
+  auto done = std::async(std::launch::async, [&] { server.reset(); });
+  ASSERT_EQ(done.wait_for(seconds(20)), std::future_status::ready);
+}
+
+}  // namespace
+}  // namespace penumbra::testing
