@@ -20,21 +20,11 @@ std::filesystem::path ScenesFolder() {
 
 constexpr const char* kScenes[] = {
     "gazebo/gazebo.obj",
-    "cornell-box/kajiya-gltf",
+    "cornell-box/kajiya-gltf/scene.gltf",
     "kaykit-table-set/table_medium_decorated_A.glb",
     "mixed-lighting-chair/MixedLightingExample.gltf",
     "stanford-dragon-res2/dragon_vrip_res2.ply",
 };
-
-// The file itself, or the first that can be a scene in a folder.
-std::filesystem::path SceneFile(const std::filesystem::path& path) {
-  if (!std::filesystem::is_directory(path)) return path;
-  for (const auto& entry : std::filesystem::directory_iterator(path)) {
-    const auto extension = entry.path().extension();
-    if (extension == ".gltf" || extension == ".glb" || extension == ".obj") return entry.path();
-  }
-  return path;
-}
 
 // Below the scene, three times as wide.
 Receiver Floor(const Aabb& bounds) {
@@ -74,7 +64,7 @@ TEST(SceneExactnessTest, ScenesOfOtherAuthorsAgreeWithRays) {
   }
   Exactness total;
   for (const char* name : kScenes) {
-    const auto imported = ImportScene(SceneFile(ScenesFolder() / name));
+    const auto imported = ImportScene(ScenesFolder() / name);
     ASSERT_TRUE(imported.ok()) << name << ": " << imported.status();
     const Aabb bounds = Bounds(*imported);
     SceneDelta delta = ToSceneDelta(*imported);

@@ -61,8 +61,8 @@ bool SegmentMeets(const Aabb& box, DVec3 origin, DVec3 direction, double t_max) 
 
 // By trying rays from a grid of receiver points to many light samples.
 bool SomeRayMeets(const Aabb& box, const AreaLight& light, const Parallelogram& patch) {
-  const auto samples = SampleLight(light, 256, 7, patch.At({0.5f, 0.5f}));
-  constexpr int kGrid = 24;
+  const auto samples = SampleLight(light, 100, 7, patch.At({0.5f, 0.5f}));
+  constexpr int kGrid = 16;
   for (int j = 0; j <= kGrid; ++j) {
     for (int i = 0; i <= kGrid; ++i) {
       const DVec3 p(patch.At(Vec2(i, j) / static_cast<float>(kGrid)));
