@@ -13,7 +13,7 @@ bool IsControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7
 
 }  // namespace
 
-absl::Status OptionError(std::string_view option, std::string_view reason, Quoted found,
+absl::Status OptionError(std::string_view option, std::string_view reason, FoundText found,
                          std::string_view rest) {
   std::string text = "found \"";
   for (const char c : found.text.substr(0, kMaxQuotedBytes)) text += IsControl(c) ? '?' : c;

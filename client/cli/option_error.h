@@ -12,12 +12,12 @@ namespace penumbra {
 
 // Text from outside, shown in quotes, cut at 64 bytes and with control characters as '?', so that
 // an error stays one readable line.
-struct Quoted {
+struct FoundText {
   std::string_view text;
 };
 
 // kInvalidArgument: `option: found "quoted"rest`.
-absl::Status OptionError(std::string_view option, std::string_view reason, Quoted found,
+absl::Status OptionError(std::string_view option, std::string_view reason, FoundText found,
                          std::string_view rest);
 
 // `text` on one line: control characters become blanks.
