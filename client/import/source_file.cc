@@ -82,10 +82,9 @@ absl::Status Malformed(std::string_view reason, std::string_view field_path,
   return FieldError(absl::StatusCode::kInvalidArgument, reason, field_path, found_and_need);
 }
 
-std::string Quoted(std::string_view text) {
-  constexpr size_t kLongest = 60;
-  const std::string escaped = absl::CHexEscape(View(text.substr(0, kLongest)));
-  return absl::StrCat("\"", escaped, text.size() > kLongest ? "…" : "", "\"");
+std::string Quoted(std::string_view text, size_t longest) {
+  const std::string escaped = absl::CHexEscape(View(text.substr(0, longest)));
+  return absl::StrCat("\"", escaped, text.size() > longest ? "…" : "", "\"");
 }
 
 absl::StatusOr<std::vector<std::byte>> ReadFile(const fs::path& path) {

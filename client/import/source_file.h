@@ -45,7 +45,7 @@ inline std::string_view AsText(std::span<const std::byte> bytes) {
 }
 
 // A file's text shortened and made printable, for messages.
-std::string Quoted(std::string_view text);
+std::string Quoted(std::string_view text, size_t longest = 60);
 
 // kInvalidArgument at `field_path`: "found …, need …".
 absl::Status Malformed(std::string_view reason, std::string_view field_path,

@@ -121,7 +121,7 @@ absl::Status CheckCount(const Document& document, const tinygltf::Accessor& acce
 template <typename Store>
 absl::Status ForEachElement(Document& document, const tinygltf::Accessor& accessor,
                             uint64_t element_bytes, const std::string& path, const Store& store) {
-  if (accessor.bufferView >= 0) {
+  if (document.HasView(accessor.bufferView)) {
     absl::StatusOr<Elements> dense = ElementsOf(document, accessor.bufferView, accessor.byteOffset,
                                                 accessor.count, element_bytes, path);
     if (!dense.ok()) return dense.status();
@@ -175,7 +175,7 @@ absl::StatusOr<FloatArray> ReadFloats(Document& document, int index,
   FloatArray out{.components = count, .values = {}};
   // Checked against the view first: a count alone must not allocate.
   const size_t component_bytes = ComponentBytes(accessor.componentType);
-  if (accessor.bufferView >= 0) {
+  if (document.HasView(accessor.bufferView)) {
     auto probe = ElementsOf(document, accessor.bufferView, accessor.byteOffset, accessor.count,
                             component_bytes * count, path);
     if (!probe.ok()) return probe.status();
@@ -203,7 +203,7 @@ absl::StatusOr<std::vector<uint32_t>> ReadIndices(Document& document, int index,
                                   ", need SCALAR of 5121, 5123 or 5125 for ", field_path));
   }
   const size_t bytes = ComponentBytes(accessor.componentType);
-  if (accessor.bufferView >= 0) {
+  if (document.HasView(accessor.bufferView)) {
     auto probe =
         ElementsOf(document, accessor.bufferView, accessor.byteOffset, accessor.count, bytes, path);
     if (!probe.ok()) return probe.status();

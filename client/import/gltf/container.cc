@@ -38,6 +38,14 @@ absl::Status CheckHeader(std::span<const std::byte> bytes) {
   return absl::OkStatus();
 }
 
+// JSON comes first, BIN second or not at all; chunks of other types are to be skipped.
+absl::Status CheckOrder(size_t chunk, uint32_t type, const std::string& path) {
+  if ((chunk == 0) == (type == kJson) && (chunk <= 1 || type != kBin)) return absl::OkStatus();
+  return Malformed("GLB", path + ".type",
+                   absl::StrCat("found 0x", absl::Hex(type, absl::kZeroPad8), ", need ",
+                                chunk == 0 ? "JSON" : "another, JSON being first and BIN second"));
+}
+
 }  // namespace
 
 bool IsGlb(std::span<const std::byte> bytes) {
@@ -67,15 +75,9 @@ absl::StatusOr<Container> SplitContainer(std::span<const std::byte> bytes) {
                                     ", what the file still has"));
     }
     const auto content = rest.subspan(kChunkHeaderBytes, length);
-    if ((chunk == 0) != (type == kJson)) {
-      return Malformed("GLB", path + ".type", "need JSON as the first chunk and nowhere else");
-    }
+    if (absl::Status status = CheckOrder(chunk, type, path); !status.ok()) return status;
     if (type == kJson) container.json = AsText(content);
-    // BIN is the second chunk or none; chunks of other types are to be skipped.
-    if (type == kBin && chunk == 1) container.bin = content;
-    if (type == kBin && chunk > 1) {
-      return Malformed("GLB", path + ".type", "found a BIN chunk, need it as the second chunk");
-    }
+    if (type == kBin) container.bin = content;
     rest = rest.subspan(kChunkHeaderBytes + length);
   }
   if (container.json.data() == nullptr) {

@@ -1,15 +1,12 @@
 #include "client/import/gltf/document.h"
 
-#include <algorithm>
-#include <array>
 #include <climits>
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
 #include "client/import/gltf/container.h"
 #include "client/import/gltf/meshopt_view.h"
-#include "client/import/gltf/rules.h"
-#include "client/import/gltf/schema.h"
+#include "client/import/gltf/parse_document.h"
 #include "client/import/source_file.h"
 #include "render/scene/field_error.h"
 
@@ -18,116 +15,33 @@ namespace {
 
 using nlohmann::json;
 
-// The longest real documents embed their buffers as base64.
-constexpr size_t kMaxJsonBytes = size_t{512} << 20;
-// glTF itself nests about ten deep; extras are free to, but recursion has to end.
-constexpr size_t kMaxNesting = 64;
-// A thousand objects for each instance that a scene may hold is no scene.
-constexpr size_t kMaxElements = 4'000'000;
-
-// What a document may require: all that decides over shapes and places is known, and the rest of
-// this list changes looks alone.
-constexpr std::array<std::string_view, 30> kSupportedExtensions = {
-    "EXT_lights_area",
-    "EXT_mesh_gpu_instancing",
-    "EXT_meshopt_compression",
-    "EXT_texture_webp",
-    "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_materials_variants",
-    "KHR_materials_volume",
-    "KHR_mesh_quantization",
-    "KHR_meshopt_compression",
-    "KHR_texture_basisu",
-    "KHR_texture_transform",
-    "KHR_xmp",
-    "KHR_xmp_json_ld",
-    "MSFT_texture_dds",
-    "EXT_texture_avif",
-    "KHR_animation_pointer",
-    "EXT_lights_image_based"};
-
-absl::StatusOr<json> ParseJson(std::string_view text) {
-  if (text.size() > kMaxJsonBytes) {
-    return FieldError(absl::StatusCode::kResourceExhausted, "TOO_LARGE", "json",
-                      absl::StrCat("found ", text.size(), " bytes, need <= ", kMaxJsonBytes));
-  }
-  if (const size_t depth = NestingDepth(text); depth > kMaxNesting) {
-    return Malformed("DEPTH", "json",
-                     absl::StrCat("found values nested ", depth, " deep, need <= ", kMaxNesting));
-  }
-  try {
-    return json::parse(text);
-  } catch (const json::exception& error) {
-    std::string what = error.what();
-    what.erase(0, std::min(what.find("] ") + 2, what.size()));
-    return Malformed("JSON", "json",
-                     absl::StrCat("found ", Quoted(what.substr(0, 160)), ", need a JSON document"));
-  }
-}
-
-absl::Status CheckVersion(const json& document) {
-  const std::string version = document["asset"]["version"];
-  const std::string required = document["asset"].value("minVersion", version);
-  // A later minor version may be read by a reader of 2.0, unless it says otherwise.
-  if (!version.starts_with("2.") || (required != version && required != "2.0")) {
-    return FieldError(
-        absl::StatusCode::kUnimplemented, "VERSION", "asset.version",
-        absl::StrCat("found ", Quoted(version), " (at least ", Quoted(required), "), need 2.0"));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status CheckExtensions(const json& document) {
-  if (!document.contains("extensionsRequired")) return absl::OkStatus();
-  const json& required = document["extensionsRequired"];
-  for (size_t i = 0; i < required.size(); ++i) {
-    const std::string name = required[i];
-    if (std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), name) ==
-        kSupportedExtensions.end()) {
-      return FieldError(absl::StatusCode::kUnimplemented, "EXTENSION",
-                        absl::StrCat("extensionsRequired[", i, "]"),
-                        absl::StrCat("found ", Quoted(name), ", need a supported extension"));
-    }
-  }
-  return absl::OkStatus();
-}
-
-absl::Status CheckCounts(const json& document) {
-  for (const auto& [key, value] : document.items()) {
-    if (value.is_array() && value.size() > kMaxElements) {
-      return FieldError(absl::StatusCode::kResourceExhausted, "TOO_LARGE", key,
-                        absl::StrCat("found ", value.size(), ", need <= ", kMaxElements));
-    }
-  }
-  return absl::OkStatus();
-}
-
 std::optional<std::string> OptionalString(const json& object, const char* key) {
   const auto value = object.find(key);
   return value == object.end() ? std::nullopt : std::optional<std::string>(*value);
 }
 
-// Takes out what tinygltf would load, decode or trip over, and this importer does not read from it.
-void StripForModel(json& document) {
-  for (const char* key : {"buffers", "images", "animations", "samplers", "skins"}) {
-    document.erase(key);
+bool IsFallback(const json& buffer) {
+  const json extensions = buffer.value("extensions", json::object());
+  return extensions.contains("EXT_meshopt_compression") ||
+         extensions.contains("KHR_meshopt_compression");
+}
+
+absl::Status LoadModel(const std::string& text, tinygltf::Model& model) {
+  if (text.size() > INT_MAX) {
+    return FieldError(absl::StatusCode::kResourceExhausted, "TOO_LARGE", "json",
+                      "found more than 2 GiB, need less");
   }
-  if (document.contains("textures")) {
-    for (json& texture : document["textures"]) texture.erase("sampler");
+  std::string error, warning;
+  try {
+    if (tinygltf::TinyGLTF().LoadASCIIFromString(&model, &error, &warning, text.data(),
+                                                 static_cast<unsigned int>(text.size()), "")) {
+      return absl::OkStatus();
+    }
+  } catch (const std::exception& exception) {
+    error = exception.what();
   }
+  return Malformed("GLTF", "json",
+                   absl::StrCat("found ", Quoted(error, 200), ", need a glTF 2.0 document"));
 }
 
 }  // namespace
@@ -159,17 +73,12 @@ absl::StatusOr<std::unique_ptr<Document>> Document::Open(const std::filesystem::
 }
 
 absl::Status Document::Parse(std::string_view json_text) {
-  absl::StatusOr<json> document = ParseJson(json_text);
+  absl::StatusOr<json> document = ParseDocument(json_text);
   if (!document.ok()) return document.status();
-  if (absl::Status status = CheckCounts(*document); !status.ok()) return status;
-  if (absl::Status status = CheckSchema(*document, DocumentRules()); !status.ok()) return status;
-  if (absl::Status status = CheckVersion(*document); !status.ok()) return status;
-  if (absl::Status status = CheckExtensions(*document); !status.ok()) return status;
-
   for (const json& buffer : document->value("buffers", json::array())) {
-    SourceBuffer source;
-    source.uri = OptionalString(buffer, "uri");
-    source.length = buffer["byteLength"].get<uint64_t>();
+    SourceBuffer source{.uri = OptionalString(buffer, "uri"),
+                        .length = buffer["byteLength"].get<uint64_t>(),
+                        .fallback = IsFallback(buffer)};
     buffers_.push_back(std::move(source));
   }
   for (const json& image : document->value("images", json::array())) {
@@ -179,24 +88,30 @@ absl::Status Document::Parse(std::string_view json_text) {
     skins_.push_back({.joints = skin.value("joints", std::vector<int>()),
                       .inverse_bind_matrices = skin.value("inverseBindMatrices", -1)});
   }
+  view_count_ = static_cast<int>(document->value("bufferViews", json::array()).size());
   StripForModel(*document);
+  absl::Status status = LoadModel(document->dump(), model_);
+  return status.ok() ? CheckBuffers() : status;
+}
 
-  const std::string text = document->dump();
-  if (text.size() > INT_MAX) {
-    return FieldError(absl::StatusCode::kResourceExhausted, "TOO_LARGE", "json",
-                      "found more than 2 GiB, need less");
+absl::Status Document::CheckBuffers() {
+  for (size_t i = 0; i < buffers_.size(); ++i) {
+    const bool has_content = buffers_[i].uri || (i == 0 && bin_);
+    if (!has_content || buffers_[i].fallback) continue;
+    absl::Status status = BufferBytes(static_cast<int>(i)).status();
+    if (!status.ok()) return status;
   }
-  std::string error, warning;
-  try {
-    if (tinygltf::TinyGLTF().LoadASCIIFromString(&model_, &error, &warning, text.data(),
-                                                 static_cast<unsigned int>(text.size()), "")) {
-      return absl::OkStatus();
+  for (int i = 0; i < view_count_; ++i) {
+    const tinygltf::BufferView& view = model_.bufferViews[i];
+    const uint64_t length = buffers_[view.buffer].length;
+    if (view.byteOffset > length || view.byteLength > length - view.byteOffset) {
+      return Malformed(
+          "OUT_OF_BOUNDS", absl::StrCat("bufferViews[", i, "].byteLength"),
+          absl::StrCat("found ", view.byteLength, " at offset ", view.byteOffset,
+                       ", need an end <= ", length, ", buffers[", view.buffer, "].byteLength"));
     }
-  } catch (const std::exception& exception) {
-    error = exception.what();
   }
-  return Malformed("GLTF", "json",
-                   absl::StrCat("found ", Quoted(error), ", need a glTF 2.0 document"));
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::span<const std::byte>> Document::BufferBytes(int buffer) {

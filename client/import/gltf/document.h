@@ -40,6 +40,8 @@ class Document {
   const tinygltf::Model& model() const { return model_; }
   const SceneLimits& limits() const { return limits_; }
   const std::vector<Skin>& skins() const { return skins_; }
+  // Whether `view` is one of the document's; accessors without one are full of zeros.
+  bool HasView(int view) const { return view >= 0 && view < view_count_; }
   size_t image_count() const { return images_.size(); }
 
   // The bytes of a buffer view, decompressed where it is compressed. The span lives as long as the
@@ -56,6 +58,7 @@ class Document {
   struct SourceBuffer {
     std::optional<std::string> uri;
     uint64_t length = 0;
+    bool fallback = false;  // for readers that know no compression; may be missing
     bool loaded = false;
     std::vector<std::byte> file;         // what the uri holds
     std::span<const std::byte> content;  // of `file` or of the BIN chunk
@@ -67,6 +70,7 @@ class Document {
 
   Document() = default;
   absl::Status Parse(std::string_view json_text);
+  absl::Status CheckBuffers();
   absl::StatusOr<std::span<const std::byte>> BufferBytes(int buffer);
   // Errors name `path`.offset, .length and so on.
   absl::StatusOr<std::span<const std::byte>> Slice(int buffer, uint64_t offset, uint64_t length,
@@ -82,6 +86,7 @@ class Document {
   std::vector<SourceBuffer> buffers_;
   std::vector<SourceImage> images_;
   std::vector<Skin> skins_;
+  int view_count_ = 0;
   std::map<int, std::vector<std::byte>> decompressed_views_;
   tinygltf::Model model_;
 };

@@ -160,6 +160,22 @@ absl::Status Geometry::Morph(const tinygltf::Primitive& primitive,
   return absl::OkStatus();
 }
 
+absl::Status Geometry::ReadUvs(const tinygltf::Primitive& primitive, const DracoMesh* packed,
+                               const TextureCoordinates& uv, const std::string& path,
+                               MeshGeometry& geometry) {
+  const std::string name = absl::StrCat("TEXCOORD_", uv.set);
+  auto uvs = Attribute(primitive, packed, name, {2}, path);
+  if (!uvs.ok()) return uvs.status();
+  if (!*uvs || (*uvs)->size() != geometry.positions.size()) {
+    warnings_.Add(absl::StrCat(path, ".attributes.", name, ": not one a vertex, mask ignored"));
+    return absl::OkStatus();
+  }
+  for (size_t i = 0; i < (*uvs)->size(); ++i) {
+    geometry.uvs.push_back(uv.Apply({(*uvs)->values[2 * i], (*uvs)->values[2 * i + 1]}));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::optional<MeshGeometry>> Geometry::Read(
     int mesh, int primitive_index, const std::optional<TextureCoordinates>& uv,
     const std::vector<double>& weights) {
@@ -189,16 +205,8 @@ absl::StatusOr<std::optional<MeshGeometry>> Geometry::Read(
     geometry.normals = ToVec3s(**normals);
   }
   if (uv) {
-    const std::string name = absl::StrCat("TEXCOORD_", uv->set);
-    auto uvs = Attribute(primitive, packed, name, {2}, path);
-    if (!uvs.ok()) return uvs.status();
-    if (*uvs && (*uvs)->size() == geometry.positions.size()) {
-      for (size_t i = 0; i < (*uvs)->size(); ++i) {
-        geometry.uvs.push_back(uv->Apply({(*uvs)->values[2 * i], (*uvs)->values[2 * i + 1]}));
-      }
-    } else {
-      warnings_.Add(absl::StrCat(path, ".attributes.", name, ": not one a vertex, mask ignored"));
-    }
+    absl::Status status = ReadUvs(primitive, packed, *uv, path, geometry);
+    if (!status.ok()) return status;
   }
   absl::Status status = Morph(primitive, weights, path, geometry);
   if (!status.ok()) return status;

@@ -58,6 +58,9 @@ class Geometry {
   absl::StatusOr<std::vector<uint32_t>> Triangles(const tinygltf::Primitive& primitive,
                                                   const DracoMesh* packed, size_t vertex_count,
                                                   const std::string& path);
+  absl::Status ReadUvs(const tinygltf::Primitive& primitive, const DracoMesh* packed,
+                       const TextureCoordinates& uv, const std::string& path,
+                       MeshGeometry& geometry);
   absl::Status Morph(const tinygltf::Primitive& primitive, const std::vector<double>& weights,
                      const std::string& path, MeshGeometry& geometry);
 

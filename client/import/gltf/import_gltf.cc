@@ -1,16 +1,15 @@
 #include "client/import/gltf/import_gltf.h"
 
-#include <algorithm>
 #include <map>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/import/emitter.h"
-#include "client/import/gltf/accessor.h"
 #include "client/import/gltf/document.h"
 #include "client/import/gltf/geometry.h"
 #include "client/import/gltf/lights.h"
 #include "client/import/gltf/materials.h"
+#include "client/import/gltf/placements.h"
 #include "client/import/gltf/skin.h"
 #include "client/import/gltf/transforms.h"
 #include "client/import/id_table.h"
@@ -31,8 +30,6 @@ class SceneReader {
  private:
   absl::Status ReadNode(const PlacedNode& placed);
   absl::Status ReadMesh(const PlacedNode& placed);
-  // Where a node's mesh lies: once, or as often as EXT_mesh_gpu_instancing says.
-  absl::StatusOr<std::vector<Affine>> Placements(const PlacedNode& placed);
   absl::StatusOr<std::shared_ptr<const Mesh>> Skinned(const tinygltf::Node& node, int primitive,
                                                       const Material& material);
   absl::Status AddInstance(Instance instance, const std::string& name, const Material& material);
@@ -91,52 +88,6 @@ absl::Status SceneReader::ReadNode(const PlacedNode& placed) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<Affine>> SceneReader::Placements(const PlacedNode& placed) {
-  const auto* instancing =
-      FindExtension(document_.model().nodes[placed.node].extensions, "EXT_mesh_gpu_instancing");
-  if (instancing == nullptr) return std::vector<Affine>{ToAffine(placed.world_from_node)};
-  const std::string path =
-      absl::StrCat("nodes[", placed.node, "].extensions.EXT_mesh_gpu_instancing.attributes");
-  const tinygltf::Value& attributes = instancing->Get("attributes");
-  const auto read = [&](const char* name, int components) -> absl::StatusOr<FloatArray> {
-    if (!attributes.Has(name)) return FloatArray{.components = components, .values = {}};
-    return ReadFloats(document_, attributes.Get(name).GetNumberAsInt(), {components},
-                      absl::StrCat(path, ".", name));
-  };
-  const absl::StatusOr<FloatArray> translations = read("TRANSLATION", 3);
-  if (!translations.ok()) return translations.status();
-  const absl::StatusOr<FloatArray> rotations = read("ROTATION", 4);
-  if (!rotations.ok()) return rotations.status();
-  const absl::StatusOr<FloatArray> scales = read("SCALE", 3);
-  if (!scales.ok()) return scales.status();
-
-  const size_t count = std::max({translations->size(), rotations->size(), scales->size()});
-  for (const FloatArray* array : {&*translations, &*rotations, &*scales}) {
-    if (array->size() != 0 && array->size() != count) {
-      return Malformed(
-          "LENGTH", path,
-          absl::StrCat("found ", array->size(), " and ", count, " elements, need as many in each"));
-    }
-  }
-  std::vector<Affine> placements;
-  for (size_t i = 0; i < count; ++i) {
-    const float* t = translations->size() ? &translations->values[3 * i] : nullptr;
-    const float* r = rotations->size() ? &rotations->values[4 * i] : nullptr;
-    const float* s = scales->size() ? &scales->values[3 * i] : nullptr;
-    const DVec4 rotation = r ? DVec4(r[0], r[1], r[2], r[3]) : DVec4(0, 0, 0, 1);
-    const double length = glm::length(rotation);
-    if (!(length > 0.0)) {
-      return Malformed("ROTATION", absl::StrCat(path, ".ROTATION[", i, "]"),
-                       absl::StrCat("found length ", length, ", need 1"));
-    }
-    placements.push_back(
-        ToAffine(placed.world_from_node * FromTrs(t ? DVec3(t[0], t[1], t[2]) : DVec3(0.0),
-                                                  rotation / length,
-                                                  s ? DVec3(s[0], s[1], s[2]) : DVec3(1.0))));
-  }
-  return placements;
-}
-
 absl::StatusOr<std::shared_ptr<const Mesh>> SceneReader::Skinned(const tinygltf::Node& node,
                                                                  int primitive,
                                                                  const Material& material) {
@@ -160,7 +111,7 @@ absl::StatusOr<std::shared_ptr<const Mesh>> SceneReader::Skinned(const tinygltf:
 absl::Status SceneReader::ReadMesh(const PlacedNode& placed) {
   const tinygltf::Node& node = document_.model().nodes[placed.node];
   const tinygltf::Mesh& mesh = document_.model().meshes[node.mesh];
-  absl::StatusOr<std::vector<Affine>> placements = Placements(placed);
+  absl::StatusOr<std::vector<Affine>> placements = PlacementsOf(document_, placed);
   if (!placements.ok()) return placements.status();
   // A skin places its vertices in the world by itself.
   if (node.skin >= 0) *placements = {IdentityAffine()};

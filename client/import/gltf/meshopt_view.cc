@@ -72,6 +72,13 @@ absl::StatusOr<std::vector<std::byte>> DecodeMeshoptView(const MeshoptView& view
   if (!status.ok()) return status;
   std::vector<std::byte> bytes(view.count * view.stride);
   if (view.count == 0) return bytes;
+  // The low bits of the first byte are the codec's version; the library knows those of glTF's EXT.
+  const int newest = view.mode == "ATTRIBUTES" ? 0 : 1;
+  if (!packed.empty() && (std::to_integer<int>(packed[0]) & 0x0f) > newest) {
+    return FieldError(absl::StatusCode::kUnimplemented, "MESHOPT", path,
+                      absl::StrCat("found version ", std::to_integer<int>(packed[0]) & 0x0f,
+                                   " of the ", view.mode, " codec, need <= ", newest));
+  }
   if (packed.empty() || Decode(view, packed, bytes.data()) != 0) {
     return Malformed("MESHOPT", path, "found bytes that do not decode, need meshopt-packed ones");
   }

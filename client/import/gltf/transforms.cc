@@ -54,7 +54,52 @@ absl::StatusOr<DMat4> LocalTransform(const tinygltf::Node& node, int index, Warn
   return FromTrs(translation, rotation, scale);
 }
 
-std::vector<int> Roots(const tinygltf::Model& model, Warnings& warnings) {
+// The parent of each node, or −1.
+absl::StatusOr<std::vector<int>> Parents(const tinygltf::Model& model) {
+  std::vector<int> parents(model.nodes.size(), -1);
+  for (size_t i = 0; i < model.nodes.size(); ++i) {
+    for (size_t k = 0; k < model.nodes[i].children.size(); ++k) {
+      int& parent = parents[model.nodes[i].children[k]];
+      if (parent >= 0) {
+        return Malformed("CYCLE", absl::StrCat("nodes[", i, "].children[", k, "]"),
+                         absl::StrCat("found ", model.nodes[i].children[k], ", a child of nodes[",
+                                      parent, "] as well, need one parent"));
+      }
+      parent = static_cast<int>(i);
+    }
+  }
+  return parents;
+}
+
+// With one parent a node, whoever is on a cycle reaches no root.
+absl::Status CheckAcyclic(const std::vector<int>& parents) {
+  std::vector<char> reaches_root(parents.size(), false);
+  for (size_t i = 0; i < parents.size(); ++i) {
+    size_t steps = 0;
+    int node = static_cast<int>(i);
+    while (node >= 0 && !reaches_root[node] && steps <= parents.size()) {
+      node = parents[node];
+      ++steps;
+    }
+    if (steps > parents.size()) {
+      return Malformed("CYCLE", absl::StrCat("nodes[", i, "].children"),
+                       "found a node below itself, need a tree");
+    }
+    for (node = static_cast<int>(i); node >= 0 && !reaches_root[node]; node = parents[node]) {
+      reaches_root[node] = true;
+    }
+  }
+  return absl::OkStatus();
+}
+
+struct Pending {
+  int node;
+  size_t depth;
+  DMat4 world_from_parent;
+};
+
+std::vector<int> Roots(const tinygltf::Model& model, const std::vector<int>& parents,
+                       Warnings& warnings) {
   if (!model.scenes.empty()) {
     const int scene = model.defaultScene >= 0 ? model.defaultScene : 0;
     if (model.scenes.size() > 1) {
@@ -63,13 +108,9 @@ std::vector<int> Roots(const tinygltf::Model& model, Warnings& warnings) {
     return model.scenes[scene].nodes;
   }
   if (!model.nodes.empty()) warnings.Add("scenes: none, so all root nodes are read");
-  std::vector<bool> is_child(model.nodes.size(), false);
-  for (const tinygltf::Node& node : model.nodes) {
-    for (const int child : node.children) is_child[child] = true;
-  }
   std::vector<int> roots;
-  for (size_t i = 0; i < model.nodes.size(); ++i) {
-    if (!is_child[i]) roots.push_back(static_cast<int>(i));
+  for (size_t i = 0; i < parents.size(); ++i) {
+    if (parents[i] < 0) roots.push_back(static_cast<int>(i));
   }
   return roots;
 }
@@ -91,13 +132,11 @@ Affine ToAffine(const DMat4& m) {
 
 absl::StatusOr<std::vector<PlacedNode>> PlaceNodes(const tinygltf::Model& model,
                                                    Warnings& warnings) {
-  struct Pending {
-    int node;
-    size_t depth;
-    DMat4 world_from_parent;
-  };
   std::vector<Pending> pending;
-  const std::vector<int> roots = Roots(model, warnings);
+  const absl::StatusOr<std::vector<int>> parents = Parents(model);
+  if (!parents.ok()) return parents.status();
+  if (absl::Status status = CheckAcyclic(*parents); !status.ok()) return status;
+  const std::vector<int> roots = Roots(model, *parents, warnings);
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) {
     pending.push_back({*root, 1, DMat4(1.0)});
   }
@@ -107,6 +146,7 @@ absl::StatusOr<std::vector<PlacedNode>> PlaceNodes(const tinygltf::Model& model,
     const Pending next = pending.back();
     pending.pop_back();
     const std::string path = absl::StrCat("nodes[", next.node, "]");
+    // A scene may list a node twice, or below another root.
     if (reached[next.node]) {
       return Malformed("CYCLE", path, "found a node reached twice, need a tree of nodes");
     }

@@ -130,9 +130,13 @@ absl::StatusOr<Header> ParseHeader(std::span<const std::byte> file) {
   const std::string_view text = AsText(file);
   Header header;
   bool has_format = false;
+  // Old Macs ended lines with a carriage return alone.
+  const size_t first_end = text.find_first_of("\r\n");
+  const bool is_mac =
+      first_end + 1 < text.size() && text[first_end] == '\r' && text[first_end + 1] != '\n';
+  const char line_end = is_mac ? '\r' : '\n';
   for (int line_number = 1; line_number <= kMaxLines; ++line_number) {
-    const size_t end = text.find('\n', header.bytes);
-    // Old Macs ended lines with a carriage return alone; binary data make that ambiguous.
+    const size_t end = text.find(line_end, header.bytes);
     if (end == std::string_view::npos) {
       return Malformed("PLY", absl::StrCat("header line ", line_number),
                        "found the end of the file, need end_header");
