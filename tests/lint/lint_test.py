@@ -139,6 +139,10 @@ class StyleTest(TreeTest):
         self.assert_finds(self.found(), "Count has 41 lines, at most 40")
         self.assertEqual(self.found(["render/math/box.cc:Count"]), [])
 
+    def test_long_line(self):
+        self.add("render/math/box.cc", "// " + "é" * 97 + "\n// " + "é" * 98 + "\n")
+        self.assert_finds(self.found(), "render/math/box.cc:3: 101 columns, at most 100")
+
     def test_excuse_that_excuses_nothing(self):
         self.assert_finds(self.found(["render/math/box.cc"]), "is not too long")
 
