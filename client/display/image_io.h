@@ -1,8 +1,8 @@
 // Image files: PNG for screens, EXR for numbers.
 //
 //   absl::Status status = WritePng("view.png", width, height, ToSrgb(picture, tone));
-//   status = WriteExr("floor.exr", w, h, {{{"count", counts}, {"R", red}, {"G", green}, {"B",
-//   blue}}});
+//   const NamedPlane planes[] = {{"count", counts}, {"R", red}, {"G", green}, {"B", blue}};
+//   status = WriteExr("floor.exr", width, height, planes);
 #pragma once
 
 #include <cstdint>

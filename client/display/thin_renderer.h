@@ -2,8 +2,7 @@
 // form, and only how much of each light they see comes from artifacts.
 //
 //   auto renderer = ThinRenderer::Create(context);
-//   auto picture = (*renderer)->Render(context, scene, artifacts, camera, {.width = 1280, .height =
-//   720});
+//   auto picture = (*renderer)->Render(context, scene, artifacts, camera, {.width = 1280});
 //
 // Surfaces without an artifact are lit as if nothing were in the way, by the same formula, so both
 // match where nothing is.
@@ -57,8 +56,7 @@ class ThinRenderer {
   // Artifacts of lights or receivers that `scene` does not hold are ignored; so are nulls.
   //
   // Errors  kInvalidArgument: the camera, or an option; kResourceExhausted: GPU memory;
-  // kUnavailable: the
-  //         context is lost
+  //         kUnavailable: the context is lost
   absl::StatusOr<Picture> Render(gl::Context& context, const Scene& scene,
                                  std::span<const std::shared_ptr<const Artifact>> artifacts,
                                  const Camera& camera, const RenderOptions& options = {});

@@ -73,7 +73,8 @@ SceneDelta ToSceneDelta(const ImportedScene& imported) {
 Aabb Bounds(const ImportedScene& imported) {
   Aabb bounds;
   for (const Instance& instance : imported.instances) {
-    // Vertex by vertex: the box of a turned box is larger than what is in it, and a floor goes under this one.
+    // Vertex by vertex: the box of a turned box is larger than what is in it, and a floor goes
+    // under this one.
     for (const Vec3& position : instance.mesh->positions()) {
       bounds.Add(TransformPoint(instance.world_from_mesh, position));
     }

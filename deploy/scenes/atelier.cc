@@ -37,8 +37,8 @@ MeshGeometry Vase() {
 }
 
 MeshGeometry Stand() {
-  const Vec2 profile[] = {{0.0f, 0.0f},  {0.2f, 0.0f},  {0.2f, 0.0f},   {0.2f, 0.06f},
-                          {0.2f, 0.06f}, {0.15f, 0.06f}, {0.15f, 0.06f}, {0.13f, 0.78f},
+  const Vec2 profile[] = {{0.0f, 0.0f},   {0.2f, 0.0f},   {0.2f, 0.0f},   {0.2f, 0.06f},
+                          {0.2f, 0.06f},  {0.15f, 0.06f}, {0.15f, 0.06f}, {0.13f, 0.78f},
                           {0.13f, 0.78f}, {0.18f, 0.78f}, {0.18f, 0.78f}, {0.18f, 0.82f},
                           {0.18f, 0.82f}, {0.0f, 0.82f}};
   return Turned(profile, kSegments);
@@ -73,8 +73,8 @@ MeshGeometry Chair() {
     Append(chair, Bar({x, 0, 0.2f}, {x, kSeat, 0.19f}, Vec2(0.03f), Vec2(0.035f)));
     Append(chair, Bar({x, 0, -0.23f}, {x, kSeat, -0.19f}, Vec2(0.03f), Vec2(0.035f)));
     Append(chair, Bar({x, kSeat, -0.19f}, {x, kBack, -0.28f}, Vec2(0.035f), Vec2(0.025f)));
-    Append(chair, Bar({x, kSeat - 0.03f, -0.19f}, {x, kSeat - 0.03f, 0.19f}, Vec2(0.03f),
-                      Vec2(0.03f)));
+    Append(chair,
+           Bar({x, kSeat - 0.03f, -0.19f}, {x, kSeat - 0.03f, 0.19f}, Vec2(0.03f), Vec2(0.03f)));
   }
   for (int i = 0; i < 7; ++i) {
     const float z = -0.18f + 0.063f * static_cast<float>(i);
@@ -91,9 +91,9 @@ MeshGeometry Chair() {
 }
 
 MeshGeometry Pot() {
-  const Vec2 profile[] = {{0.0f, 0.0f},   {0.13f, 0.0f},  {0.13f, 0.0f},  {0.175f, 0.27f},
+  const Vec2 profile[] = {{0.0f, 0.0f},    {0.13f, 0.0f},  {0.13f, 0.0f},  {0.175f, 0.27f},
                           {0.175f, 0.27f}, {0.19f, 0.27f}, {0.19f, 0.27f}, {0.19f, 0.32f},
-                          {0.19f, 0.32f}, {0.16f, 0.32f}, {0.16f, 0.32f}, {0.155f, 0.28f},
+                          {0.19f, 0.32f},  {0.16f, 0.32f}, {0.16f, 0.32f}, {0.155f, 0.28f},
                           {0.155f, 0.28f}, {0.0f, 0.29f}};
   return Turned(profile, kSegments);
 }
@@ -116,9 +116,9 @@ MeshGeometry Leaves() {
 }
 
 MeshGeometry LanternFoot() {
-  const Vec2 profile[] = {{0.0f, 0.0f},    {0.055f, 0.0f},  {0.055f, 0.0f}, {0.055f, 0.012f},
-                          {0.055f, 0.012f}, {0.012f, 0.02f}, {0.01f, 0.12f}, {0.03f, 0.128f},
-                          {0.0f, 0.128f}};
+  const Vec2 profile[] = {{0.0f, 0.0f},     {0.055f, 0.0f},   {0.055f, 0.0f},
+                          {0.055f, 0.012f}, {0.055f, 0.012f}, {0.012f, 0.02f},
+                          {0.01f, 0.12f},   {0.03f, 0.128f},  {0.0f, 0.128f}};
   return Turned(profile, 24);
 }
 
@@ -176,8 +176,9 @@ class Atelier {
     const MeshGeometry ball = Ball(0.2f, 20, kSegments);
     Add({.name = "ball", .translation = {1.3, 1.02, -0.75}}, ball,
         {.name = "ivory", .color = {0.80, 0.74, 0.62}});
-    const int fruit = glb_.AddMesh("fruit", Ball(0.045f, 14, 24),
-                                   glb_.AddMaterial({.name = "fruit", .color = {0.72, 0.22, 0.07}}));
+    const int fruit =
+        glb_.AddMesh("fruit", Ball(0.045f, 14, 24),
+                     glb_.AddMaterial({.name = "fruit", .color = {0.72, 0.22, 0.07}}));
     const DVec3 places[] = {{0.08, 0.0, -0.34}, {0.17, 0.0, -0.39}, {0.105, 0.0, -0.44}};
     for (int i = 0; i < 3; ++i) {
       glb_.AddNode({.name = "fruit-" + std::to_string(i + 1),

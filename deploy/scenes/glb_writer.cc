@@ -85,8 +85,7 @@ int GlbWriter::AddMaterial(const Material& material) {
                               Rounded(material.color.z), 1.0};
   }
   json["pbrMetallicRoughness"] = std::move(pbr);
-  const double strength =
-      std::max({material.emission.x, material.emission.y, material.emission.z});
+  const double strength = std::max({material.emission.x, material.emission.y, material.emission.z});
   if (strength > 0.0) {
     json["emissiveFactor"] = ToJson(material.emission / strength);
     json["extensions"]["KHR_materials_emissive_strength"] = {

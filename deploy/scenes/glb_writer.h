@@ -19,8 +19,8 @@ namespace penumbra::sample {
 
 struct Material {
   std::string name;
-  DVec3 color{0.8};     // linear
-  DVec3 emission{0.0};  // W·m⁻²·sr⁻¹; above 1 it needs KHR_materials_emissive_strength
+  DVec3 color{0.8};      // linear
+  DVec3 emission{0.0};   // W·m⁻²·sr⁻¹; above 1 it needs KHR_materials_emissive_strength
   int alpha_image = -1;  // a picture that gives colour and cuts holes
   bool two_sided = false;
 };

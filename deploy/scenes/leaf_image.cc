@@ -45,15 +45,20 @@ void AddChunk(Bytes& png, std::string_view type, const Bytes& payload) {
 // A zlib stream of one stored block: the same bytes whatever the compressor's version.
 Bytes Stored(const Bytes& raw) {
   const auto size = static_cast<uint16_t>(raw.size());
-  Bytes out = {0x78, 0x01, 0x01, static_cast<uint8_t>(size), static_cast<uint8_t>(size >> 8),
-               static_cast<uint8_t>(~size), static_cast<uint8_t>(~size >> 8)};
+  Bytes out = {0x78,
+               0x01,
+               0x01,
+               static_cast<uint8_t>(size),
+               static_cast<uint8_t>(size >> 8),
+               static_cast<uint8_t>(~size),
+               static_cast<uint8_t>(~size >> 8)};
   out.insert(out.end(), raw.begin(), raw.end());
   AddBigEndian(out, Adler32(raw));
   return out;
 }
 
-// Whether the frond covers (x, y) in [−1, 1] × [0, 1], y upwards: a stem, and pairs of leaflets that
-// lean outwards and shorten towards the tip.
+// Whether the frond covers (x, y) in [−1, 1] × [0, 1], y upwards: a stem, and pairs of leaflets
+// that lean outwards and shorten towards the tip.
 bool IsLeaf(double x, double y) {
   x = std::abs(x);
   if (x < 0.035 * (1.1 - y)) return true;

@@ -6,7 +6,8 @@
 
 namespace penumbra::sample {
 
-// A PNG file of 128×128 texels; the stem stands in the middle and grows from the last row to the first.
+// A PNG file of 128×128 texels; the stem stands in the middle and grows from the last row to the
+// first.
 std::vector<uint8_t> LeafPng();
 
 }  // namespace penumbra::sample

@@ -17,8 +17,8 @@ uint32_t AddVertex(MeshGeometry& mesh, DVec3 position, DVec3 normal) {
 
 // Corners as bits: 1 = second along u, 2 = along v, 4 = along w; u × v points along w.
 MeshGeometry Hexahedron(const std::array<Vec3, 8>& corner) {
-  constexpr std::array<std::array<int, 4>, 6> kFaces = {{
-      {0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+  constexpr std::array<std::array<int, 4>, 6> kFaces = {
+      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
   MeshGeometry mesh;
   for (const auto& f : kFaces) {
     Append(mesh, Quad(corner[f[0]], corner[f[1]], corner[f[2]], corner[f[3]]));

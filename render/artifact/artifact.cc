@@ -6,7 +6,8 @@
 namespace penumbra {
 namespace {
 
-// The (u, v) of the point's projection along the patch's normal; least squares in the patch's plane.
+// The (u, v) of the point's projection along the patch's normal; least squares in the patch's
+// plane.
 DVec2 ProjectOntoPatch(const Parallelogram& patch, DVec3 point) {
   const DVec3 u(patch.edge_u), v(patch.edge_v), d = point - DVec3(patch.origin);
   const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v);

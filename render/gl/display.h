@@ -1,8 +1,8 @@
 // The EGL devices of this machine, without a window system.
 //
-//   auto display = gl::Display::Open();             // first hardware device, else Mesa's software
-//   one auto display = gl::Display::Open("software");   // by index or by part of a name if
-//   (!display.ok()) return display.status();
+//   auto display = gl::Display::Open();            // first hardware device, else the software one
+//   auto display = gl::Display::Open("software");  // by index or by part of a name
+//   if (!display.ok()) return display.status();
 #pragma once
 
 #include <string>

@@ -1,7 +1,7 @@
 // A compiled GLSL program.
 //
-//   auto program = gl::Program::Create(context, {.vertex = kVertexGlsl, .fragment =
-//   kFragmentGlsl}); if (!program.ok()) return program.status();   // carries the compiler's log
+//   auto program = gl::Program::Create(context, {.vertex = kVertex, .fragment = kFragment});
+//   if (!program.ok()) return program.status();   // carries the compiler's log
 //   program->Set(context, "clip_from_world", matrix);
 #pragma once
 

@@ -51,10 +51,11 @@ double WholeDiskFormFactor(DVec3 center, DVec3 axis, double radius, DVec3 point,
   if (root == 0) return 0;  // on the rim
   // ½ (1 − difference / root), where root² = difference² + 4 z² r².
   const double difference = z2 + rho2 - r2;
-  const double axial = difference > 0 ? 2 * z2 * r2 / (root * (root + difference))
-                                      : 0.5 * (1 - difference / root);
+  const double axial =
+      difference > 0 ? 2 * z2 * r2 / (root * (root + difference)) : 0.5 * (1 - difference / root);
   const DVec3 towards_plane = along < 0 ? -axis : axis;
-  // z / 2ρ² (sum / root − 1), where root² = sum² − 4 ρ² r². Neither form loses digits on a distant disc.
+  // z / 2ρ² (sum / root − 1), where root² = sum² − 4 ρ² r². Neither form loses digits on a distant
+  // disc.
   const double radial_over_rho = 2 * z * r2 / (root * (sum + root));
   return axial * glm::dot(normal, towards_plane) + radial_over_rho * glm::dot(normal, across);
 }
@@ -99,10 +100,10 @@ double DiskFormFactor(DVec3 center, DVec3 axis, double radius, DVec3 point, DVec
 }
 
 double CapFormFactor(double cos_to_axis, double sin2_alpha) {
-  // Nusselt: F is 1/π times the area of the cap's part above the horizon, dropped onto the base disc. The
-  // whole rim drops to an ellipse of area π sin² α cos ω. A cap that the horizon cuts leaves the part of
-  // that ellipse above the cut (first two terms) and what lies between the cut and the base disc's own
-  // edge (third).
+  // Nusselt: F is 1/π times the area of the cap's part above the horizon, dropped onto the base
+  // disc. The whole rim drops to an ellipse of area π sin² α cos ω. A cap that the horizon cuts
+  // leaves the part of that ellipse above the cut (first two terms) and what lies between the cut
+  // and the base disc's own edge (third).
   const double sin_alpha = std::sqrt(sin2_alpha);
   if (cos_to_axis >= sin_alpha) return cos_to_axis * sin2_alpha;
   if (cos_to_axis <= -sin_alpha) return 0;

@@ -129,7 +129,8 @@ std::vector<std::byte> EncodeBlob(const AlphaMask& mask) {
   return writer.Take();
 }
 
-absl::StatusOr<BlobContent> DecodeBlob(std::span<const std::byte> bytes, const SceneLimits& limits) {
+absl::StatusOr<BlobContent> DecodeBlob(std::span<const std::byte> bytes,
+                                       const SceneLimits& limits) {
   Reader reader(bytes);
   const auto magic = reader.Take();
   const auto version = reader.Take();

@@ -39,9 +39,8 @@ absl::Status WithFieldPrefix(const absl::Status& status, std::string_view prefix
   absl::Status prefixed(status.code(), field.empty()
                                            ? absl::StrCat(View(prefix), ": ", status.message())
                                            : absl::StrCat(View(prefix), status.message()));
-  status.ForEachPayload([&](absl::string_view name, const absl::Cord& value) {
-    prefixed.SetPayload(name, value);
-  });
+  status.ForEachPayload(
+      [&](absl::string_view name, const absl::Cord& value) { prefixed.SetPayload(name, value); });
   prefixed.SetPayload(kFieldPayload, absl::Cord(absl::StrCat(View(prefix), field)));
   return prefixed;
 }

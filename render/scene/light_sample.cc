@@ -19,8 +19,9 @@ struct Cell {
   DVec2 center() const { return corner + 0.5 * size; }
 };
 
-// Rows of about √n cells; where n is no rectangle, some rows hold one cell more and are that much taller, so
-// that all areas stay 1/n. `aspect` is the light's width over its height: cells come out roughly square.
+// Rows of about √n cells; where n is no rectangle, some rows hold one cell more and are that much
+// taller, so that all areas stay 1/n. `aspect` is the light's width over its height: cells come out
+// roughly square.
 std::vector<Cell> TileUnitSquare(uint32_t n, double aspect) {
   const double ideal_rows = std::sqrt(n / std::clamp(aspect, 1.0 / n, 1.0 * n));
   const auto rows = std::clamp<uint32_t>(static_cast<uint32_t>(std::lround(ideal_rows)), 1, n);
@@ -39,8 +40,8 @@ std::vector<Cell> TileUnitSquare(uint32_t n, double aspect) {
   return cells;
 }
 
-// An order of the cells whose every prefix is spread out: each next cell is the one furthest from those
-// already taken, the first the one nearest the middle. Ties go to the lower index.
+// An order of the cells whose every prefix is spread out: each next cell is the one furthest from
+// those already taken, the first the one nearest the middle. Ties go to the lower index.
 // Source  Gonzalez 1985, farthest-first traversal
 std::vector<uint32_t> FarthestFirst(const std::vector<Cell>& cells, double aspect) {
   const auto distance2 = [&](DVec2 a, DVec2 b) {
@@ -53,8 +54,8 @@ std::vector<uint32_t> FarthestFirst(const std::vector<Cell>& cells, double aspec
   const auto by_center = [&](const Cell& a, const Cell& b) {
     return distance2(a.center(), DVec2(0.5)) < distance2(b.center(), DVec2(0.5));
   };
-  auto next = static_cast<uint32_t>(
-      std::min_element(cells.begin(), cells.end(), by_center) - cells.begin());
+  auto next = static_cast<uint32_t>(std::min_element(cells.begin(), cells.end(), by_center) -
+                                    cells.begin());
   while (order.size() < cells.size()) {
     order.push_back(next);
     for (size_t i = 0; i < cells.size(); ++i) {
@@ -106,8 +107,8 @@ struct Place {
   DVec3 target;
 
   LightSample operator()(const RectangleLight& light) const {
-    const DVec3 p = DVec3(light.corner) + square.x * DVec3(light.edge_u) +
-                    square.y * DVec3(light.edge_v);
+    const DVec3 p =
+        DVec3(light.corner) + square.x * DVec3(light.edge_u) + square.y * DVec3(light.edge_v);
     return {.point = Vec3(p)};
   }
   LightSample operator()(const DiskLight& light) const {

@@ -20,9 +20,9 @@ struct LightSample {
 // How many samples `light` gets when `count` are asked for: points and discs of no size need one.
 uint32_t EffectiveSampleCount(const AreaLight& light, uint32_t count);
 
-// A jittered grid of EffectiveSampleCount(light, count) cells of equal area, one sample a cell, in an
-// order whose every prefix is well spread. The same arguments give the same bits. Spheres are sampled
-// on the half that faces `target`.
+// A jittered grid of EffectiveSampleCount(light, count) cells of equal area, one sample a cell, in
+// an order whose every prefix is well spread. The same arguments give the same bits. Spheres are
+// sampled on the half that faces `target`.
 //
 // Shapes  count in [1, 1024] → n samples, n ≤ count
 // Source  Herf 1997, §4.5.1

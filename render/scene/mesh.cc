@@ -30,9 +30,9 @@ absl::Status CheckVectors(const std::vector<V>& values, std::string_view name, f
 absl::Status CheckCounts(const MeshGeometry& geometry, const SceneLimits& limits) {
   const size_t vertices = geometry.positions.size();
   if (vertices > limits.max_vertices_per_mesh) {
-    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_VERTICES", "positions",
-                      absl::StrCat("found ", vertices, " vertices, need at most ",
-                                   limits.max_vertices_per_mesh));
+    return FieldError(
+        absl::StatusCode::kResourceExhausted, "QUOTA_VERTICES", "positions",
+        absl::StrCat("found ", vertices, " vertices, need at most ", limits.max_vertices_per_mesh));
   }
   if (geometry.indices.size() % 3 != 0) {
     return FieldError(absl::StatusCode::kInvalidArgument, "LENGTH", "indices",
@@ -43,8 +43,8 @@ absl::Status CheckCounts(const MeshGeometry& geometry, const SceneLimits& limits
                       absl::StrCat("found ", geometry.indices.size() / 3,
                                    " triangles, need at most ", limits.max_triangles_per_mesh));
   }
-  for (const auto& [name, count] : {std::pair{"normals", geometry.normals.size()},
-                                    std::pair{"uvs", geometry.uvs.size()}}) {
+  for (const auto& [name, count] :
+       {std::pair{"normals", geometry.normals.size()}, std::pair{"uvs", geometry.uvs.size()}}) {
     if (count != 0 && count != vertices) {
       return FieldError(absl::StatusCode::kInvalidArgument, "LENGTH", name,
                         absl::StrCat("found ", count, ", need none or one for each of the ",

@@ -68,8 +68,8 @@ MeshClosure FindClosure(std::span<const Vec3> positions, std::span<const uint32_
     parent[FindRoot(parent, corners[c + 1])] = root;
     parent[FindRoot(parent, corners[c + 2])] = root;
   }
-  // Six times the signed volume of each part; its sign is the orientation of the part's faces. Taken about
-  // a vertex of the part, so that a small part far from the origin keeps its sign.
+  // Six times the signed volume of each part; its sign is the orientation of the part's faces.
+  // Taken about a vertex of the part, so that a small part far from the origin keeps its sign.
   std::vector<double> volume(positions.size(), 0.0);
   for (size_t c = 0; c < corners.size(); c += 3) {
     const uint32_t root = FindRoot(parent, corners[c]);

@@ -12,15 +12,15 @@
 namespace penumbra {
 namespace {
 
-// Share of the extent by which a vertex may leave the plane: what modellers' files round away, and far
-// below a texel.
+// Share of the extent by which a vertex may leave the plane: what modellers' files round away, and
+// far below a texel.
 constexpr double kPlanarTolerance = 1e-4;
 
 absl::Status NotPlanar(const Instance& instance, std::string_view found) {
-  return FieldError(absl::StatusCode::kFailedPrecondition, "NOT_PLANAR", "instance_id",
-                    absl::StrCat("found ", instance.id, ", which ",
-                                 absl::string_view(found.data(), found.size()),
-                                 ", need an instance in one plane"));
+  return FieldError(
+      absl::StatusCode::kFailedPrecondition, "NOT_PLANAR", "instance_id",
+      absl::StrCat("found ", instance.id, ", which ", absl::string_view(found.data(), found.size()),
+                   ", need an instance in one plane"));
 }
 
 double Cross(DVec2 a, DVec2 b) { return a.x * b.y - a.y * b.x; }
@@ -129,7 +129,8 @@ absl::StatusOr<Parallelogram> BoundingParallelogram(const Instance& instance) {
     }
     flat.push_back(frame.Flatten(p));
   }
-  const FlatBox box = SmallestParallelogram(ConvexHull(std::move(flat), 0.01 * tolerance), tolerance);
+  const FlatBox box =
+      SmallestParallelogram(ConvexHull(std::move(flat), 0.01 * tolerance), tolerance);
   return Parallelogram{.origin = Vec3(frame.Lift(box.corner)),
                        .edge_u = Vec3(box.u.x * frame.s + box.u.y * frame.t),
                        .edge_v = Vec3(box.v.x * frame.s + box.v.y * frame.t)};

@@ -103,11 +103,11 @@ absl::Status CheckId(std::string_view id, std::string_view field_path) {
   const uint32_t limit = SceneLimits{}.max_id_bytes;
   const auto bad = std::find_if_not(id.begin(), id.end(), allowed);
   if (!id.empty() && id.size() <= limit && bad == id.end()) return absl::OkStatus();
-  const std::string found =
-      id.empty()         ? "found nothing"
-      : id.size() > limit ? absl::StrCat("found ", id.size(), " bytes")
-                          : absl::StrCat("found byte ", static_cast<unsigned char>(*bad),
-                                         " at position ", bad - id.begin());
+  const std::string found = id.empty() ? "found nothing"
+                            : id.size() > limit
+                                ? absl::StrCat("found ", id.size(), " bytes")
+                                : absl::StrCat("found byte ", static_cast<unsigned char>(*bad),
+                                               " at position ", bad - id.begin());
   return FieldError(absl::StatusCode::kInvalidArgument, "BAD_ID", field_path,
                     absl::StrCat(found, ", need 1 to ", limit, " of A-Z a-z 0-9 . _ -"));
 }

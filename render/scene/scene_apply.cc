@@ -35,7 +35,9 @@ class Bytes {
   ContentHash Hash() const { return Sha256(std::as_bytes(std::span(bytes_))); }
 
  private:
-  void Append(const void* data, size_t size) { bytes_.append(static_cast<const char*>(data), size); }
+  void Append(const void* data, size_t size) {
+    bytes_.append(static_cast<const char*>(data), size);
+  }
 
   std::string bytes_;
 };
@@ -126,7 +128,8 @@ absl::Status DuplicateId(std::string path, const std::string& id) {
                     absl::StrCat("found ", id, " a second time, need each id once in a delta"));
 }
 
-// The table after `change`, and `hash` brought up to date. The old table is shared when nothing changes.
+// The table after `change`, and `hash` brought up to date. The old table is shared when nothing
+// changes.
 template <typename T>
 absl::StatusOr<std::shared_ptr<const Scene::Table<T>>> ApplyChange(
     const std::shared_ptr<const Scene::Table<T>>& table, const Change<T>& change,
@@ -181,8 +184,10 @@ absl::Status CheckTriangles(const Scene::Table<Instance>& instances, const Scene
   if (triangles <= limits.max_triangles_per_scene) return absl::OkStatus();
   return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_SCENE_TRIANGLES",
                     "upsert_instances",
-                    absl::StrCat("found ", triangles, " placed triangles after the commit, need at "
-                                 "most ", limits.max_triangles_per_scene));
+                    absl::StrCat("found ", triangles,
+                                 " placed triangles after the commit, need at "
+                                 "most ",
+                                 limits.max_triangles_per_scene));
 }
 
 // Where in `delta` the receiver, or the instance that it lies on, was brought or taken away.
@@ -197,7 +202,8 @@ std::string PathOfCause(const SceneDelta& delta, const std::string& receiver_id,
     if (delta.remove_instances[i] == instance_id) return absl::StrCat("remove_instances[", i, "]");
   }
   for (size_t i = 0; i < delta.upsert_instances.size(); ++i) {
-    if (delta.upsert_instances[i].id == instance_id) return absl::StrCat("upsert_instances[", i, "]");
+    if (delta.upsert_instances[i].id == instance_id)
+      return absl::StrCat("upsert_instances[", i, "]");
   }
   return "";
 }
@@ -210,9 +216,9 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Apply(const SceneDelta& delt
 
   std::shared_ptr<Scene> next(new Scene(*this));
   ++next->revision_;
-  const Change<Instance> instance_change{delta.upsert_instances, delta.remove_instances,
-                                         "instances",            "QUOTA_INSTANCES",
-                                         limits.max_instances,   CheckInstance};
+  const Change<Instance> instance_change{
+      delta.upsert_instances, delta.remove_instances, "instances",
+      "QUOTA_INSTANCES",      limits.max_instances,   CheckInstance};
   auto instances = ApplyChange(instances_, instance_change, limits, next->content_hash_);
   if (!instances.ok()) return instances.status();
   next->instances_ = *std::move(instances);
@@ -224,9 +230,9 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Apply(const SceneDelta& delt
   if (!lights.ok()) return lights.status();
   next->lights_ = *std::move(lights);
 
-  const Change<Receiver> receiver_change{delta.upsert_receivers, delta.remove_receivers,
-                                         "receivers",            "QUOTA_RECEIVERS",
-                                         limits.max_receivers,   CheckReceiver};
+  const Change<Receiver> receiver_change{
+      delta.upsert_receivers, delta.remove_receivers, "receivers",
+      "QUOTA_RECEIVERS",      limits.max_receivers,   CheckReceiver};
   auto receivers = ApplyChange(receivers_, receiver_change, limits, next->content_hash_);
   if (!receivers.ok()) return receivers.status();
   next->receivers_ = *std::move(receivers);
@@ -237,9 +243,9 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Apply(const SceneDelta& delt
     const std::string path = PathOfCause(delta, id, planar->instance_id);
     if (path.empty()) continue;  // neither was touched
     if (const auto patch = next->ResolveReceiver(id); !patch.ok()) {
-      return FieldError(patch.status().code(), ErrorReason(patch.status()), path,
-                        absl::StrCat("receiver ", id, " would lose its plane: ",
-                                     patch.status().message()));
+      return FieldError(
+          patch.status().code(), ErrorReason(patch.status()), path,
+          absl::StrCat("receiver ", id, " would lose its plane: ", patch.status().message()));
     }
   }
   return next;

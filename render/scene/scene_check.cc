@@ -33,7 +33,8 @@ class Checker {
     }
   }
   void Finite(const char* field, float x) {
-    if (!IsFinite(x)) Fail("NON_FINITE", field, absl::StrCat("found ", x, ", need a finite number"));
+    if (!IsFinite(x))
+      Fail("NON_FINITE", field, absl::StrCat("found ", x, ", need a finite number"));
   }
   void Coordinate(const char* field, Vec3 v) {
     Finite(field, v);

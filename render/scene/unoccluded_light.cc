@@ -56,8 +56,7 @@ double Factor(const SpotLight& light, DVec3 point, DVec3 normal) {
   const DVec3 from_light = point - DVec3(light.position);
   const double distance = glm::length(from_light);
   if (distance == 0) return 0;
-  const double cos_angle =
-      glm::dot(glm::normalize(DVec3(light.direction)), from_light) / distance;
+  const double cos_angle = glm::dot(glm::normalize(DVec3(light.direction)), from_light) / distance;
   const double cos_outer = std::cos(double{light.outer_angle});
   const double cos_inner = std::cos(double{light.inner_angle});
   const double ramp =
@@ -65,7 +64,8 @@ double Factor(const SpotLight& light, DVec3 point, DVec3 normal) {
   return ramp * ramp * PointFactor(light.position, point, normal);
 }
 
-// Irradiance over π of a disc in the sky that gives unit irradiance head-on: cap form factor over sin² α.
+// Irradiance over π of a disc in the sky that gives unit irradiance head-on: cap form factor over
+// sin² α.
 double Factor(const DistantLight& light, DVec3 /*point*/, DVec3 normal) {
   const double cos_to_light = glm::dot(normal, glm::normalize(DVec3(light.to_light)));
   const double sin_alpha = std::sin(0.5 * double{light.angular_diameter});

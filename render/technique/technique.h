@@ -23,11 +23,12 @@ using MonotonicClock = std::function<double()>;
 
 // All that a computation may use.
 struct ComputeContext {
-  tbb::task_arena& arena;              // where CPU work runs
-  gl::Context* gl = nullptr;           // current on this thread, or null
-  std::stop_token stop;                // checked at least once per light sample
-  std::function<void(Artifact)> progress;  // takes coarse artifacts before the final one; may be null
-  MonotonicClock now_ms;               // may be null: then no timings
+  tbb::task_arena& arena;     // where CPU work runs
+  gl::Context* gl = nullptr;  // current on this thread, or null
+  std::stop_token stop;       // checked at least once per light sample
+  std::function<void(Artifact)>
+      progress;           // takes coarse artifacts before the final one; may be null
+  MonotonicClock now_ms;  // may be null: then no timings
 };
 
 // Immutable and without state of its own: any thread may use one, any number at a time.

@@ -1,6 +1,6 @@
 // The one list of techniques. A new alternative here does not compile until the factory
-// (technique_factory.cc) and the converters (proto/convert) know it; the command line, ListTechniques,
-// the conformance tests, the benchmarks and the docs iterate over it.
+// (technique_factory.cc) and the converters (proto/convert) know it; the command line,
+// ListTechniques, the conformance tests, the benchmarks and the docs iterate over it.
 #pragma once
 
 #include <type_traits>
@@ -26,7 +26,8 @@ inline std::vector<TechniqueParams> AllTechniques() {
   std::vector<TechniqueParams> all;
   [&]<size_t... I>(std::index_sequence<I...>) {
     (all.emplace_back(std::variant_alternative_t<I, TechniqueParams>{}), ...);
-  }(std::make_index_sequence<std::variant_size_v<TechniqueParams>>{});
+  }
+  (std::make_index_sequence<std::variant_size_v<TechniqueParams>>{});
   return all;
 }
 

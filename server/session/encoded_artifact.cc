@@ -12,8 +12,8 @@
 namespace penumbra {
 namespace {
 
-// A tile takes 5 µs to pack. Handing work to another thread takes about as much, but a hundred times
-// more while other programs want the core: so small artifacts stay on one thread.
+// A tile takes 5 µs to pack. Handing work to another thread takes about as much, but a hundred
+// times more while other programs want the core: so small artifacts stay on one thread.
 constexpr size_t kTilesPerTask = 32;
 
 grpc::Slice Bytes(const v1::ArtifactUpdate& fields) {

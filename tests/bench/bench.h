@@ -16,9 +16,9 @@ struct Row {
 };
 
 struct BenchOptions {
-  int threads = 2;            // for us and for the peer
-  double min_seconds = 2.0;   // that a case measures for, both sides together
-  std::string ply;            // a mesh for cases that take one; empty: a generated one
+  int threads = 2;           // for us and for the peer
+  double min_seconds = 2.0;  // that a case measures for, both sides together
+  std::string ply;           // a mesh for cases that take one; empty: a generated one
 };
 
 using Suite = std::vector<Row> (*)(const BenchOptions&);
@@ -35,13 +35,15 @@ inline double NowMs() {
 inline double Percentile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0;
   const auto rank = static_cast<size_t>(fraction * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank), values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank),
+                   values.end());
   return values[rank];
 }
 
 inline double Median(std::vector<double> values) { return Percentile(std::move(values), 0.5); }
 
-// Wall times of two rivals in milliseconds, measured in turn so that what disturbs the machine disturbs both.
+// Wall times of two rivals in milliseconds, measured in turn so that what disturbs the machine
+// disturbs both.
 struct Duel {
   std::vector<double> ours_ms, peers_ms;
 
@@ -50,7 +52,8 @@ struct Duel {
   double Speedup() const { return PeersMs() / OursMs(); }
 };
 
-// Runs each once to warm up, then both in turn until `min_seconds` have passed and each has run five times.
+// Runs each once to warm up, then both in turn until `min_seconds` have passed and each has run
+// five times.
 Duel Interleave(double min_seconds, const std::function<void()>& ours,
                 const std::function<void()>& peers);
 

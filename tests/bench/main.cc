@@ -1,8 +1,8 @@
 // penumbra_bench: how fast Penumbra is, as ratios against peers measured in the same run.
 //
-// Absolute times say little: machines differ, and their neighbours disturb them. So each case runs us and a peer in turn
-// on as many threads and reports medians and their ratio. A ratio is named speedup_vs_PEER (larger is better) or
-// overhead_vs_PEER (smaller is better).
+// Absolute times say little: machines differ, and their neighbours disturb them. So each case runs
+// us and a peer in turn on as many threads and reports medians and their ratio. A ratio is named
+// speedup_vs_PEER (larger is better) or overhead_vs_PEER (smaller is better).
 
 #include <tbb/global_control.h>
 

@@ -1,8 +1,8 @@
 // soft_texture against Embree: the same light samples seen from the same texels on as many threads.
 //
-// Ours is a whole Compute(): preparing the occluders, drawing, counting, making the artifact. Embree's is tracing alone,
-// in its fastest form for these rays, its hierarchy built beforehand: what a ray tracer has to pay for an edit is
-// left out in its favour.
+// Ours is a whole Compute(): preparing the occluders, drawing, counting, making the artifact.
+// Embree's is tracing alone, in its fastest form for these rays, its hierarchy built beforehand:
+// what a ray tracer has to pay for an edit is left out in its favour.
 
 #include <cstdio>
 #include <cstdlib>
@@ -26,10 +26,10 @@ constexpr float kFloorSide = 10;
 SceneDelta Studio() {
   SceneDelta delta;
   delta.upsert_receivers = {testing::FloorReceiver("floor", kFloorSide, kTexels)};
-  delta.upsert_lights = {{.id = "lamp",
-                          .shape = RectangleLight{.corner = Vec3(-1, 8, -1),
-                                                  .edge_u = Vec3(2, 0, 0),
-                                                  .edge_v = Vec3(0, 0, 2)}}};
+  delta.upsert_lights = {
+      {.id = "lamp",
+       .shape = RectangleLight{
+           .corner = Vec3(-1, 8, -1), .edge_u = Vec3(2, 0, 0), .edge_v = Vec3(0, 0, 2)}}};
   return delta;
 }
 
@@ -94,18 +94,21 @@ SceneDelta Dragon(const std::string& ply) {
   for (Instance& instance : delta.upsert_instances) {
     instance.world_from_mesh =
         testing::Placed(Vec3(0, 0.5f - scale * bounds.min.y, 0) -
-                            scale * Vec3(bounds.center().x, 0, bounds.center().z), scale);
+                            scale * Vec3(bounds.center().x, 0, bounds.center().z),
+                        scale);
   }
   return delta;
 }
 
-// One case: both sides' medians, their ratio, and the share of texel-samples on which they disagree.
+// One case: both sides' medians, their ratio, and the share of texel-samples on which they
+// disagree.
 std::vector<Row> RunCase(const std::string& name, const SceneDelta& delta,
                          const BenchOptions& options) {
   const auto scene = Scene::Empty("bench")->Apply(delta).value();
   const ArtifactSpec spec{SoftTextureParams{.samples = kSamples}, "lamp", "floor"};
   tbb::task_arena arena(options.threads);
-  const ComputeContext context{.arena = arena, .gl = nullptr, .stop = {}, .progress = {}, .now_ms = {}};
+  const ComputeContext context{
+      .arena = arena, .gl = nullptr, .stop = {}, .progress = {}, .now_ms = {}};
   const Technique& technique = TechniqueFor(spec.params);
   const Artifact artifact = technique.Compute(*scene, spec, context).value();
   const auto& texture = std::get<SoftShadowTexture>(artifact.payload);
@@ -139,8 +142,9 @@ std::vector<Row> SoftTextureSuite(const BenchOptions& options) {
   std::fprintf(stderr, "soft_texture: kernels for %s, %d threads\n", KernelTargetName(),
                options.threads);
   std::vector<Row> rows;
-  for (const auto& [name, delta] : {std::pair{"herf256", Boxes(84)}, std::pair{"boxes1000", Boxes(1000)},
-                                    std::pair{"dragon", Dragon(options.ply)}}) {
+  for (const auto& [name, delta] :
+       {std::pair{"herf256", Boxes(84)}, std::pair{"boxes1000", Boxes(1000)},
+        std::pair{"dragon", Dragon(options.ply)}}) {
     std::vector<Row> more = RunCase(name, delta, options);
     rows.insert(rows.end(), more.begin(), more.end());
   }

@@ -6,15 +6,16 @@
 namespace penumbra {
 namespace {
 
-// Below this w a point is taken to be level with the light, where its shadow goes to infinity. A lamp's glowing face
-// lies in the light itself: rounding puts it a few 2⁻²⁰ of the height before or behind a sample.
+// Below this w a point is taken to be level with the light, where its shadow goes to infinity. A
+// lamp's glowing face lies in the light itself: rounding puts it a few 2⁻²⁰ of the height before or
+// behind a sample.
 constexpr double kSmallestW = 0x1.0p-16;
 constexpr double kMargin = 0.5;  // of the texture, kept on each side
 
 using HomogeneousPolygon = std::array<DVec3, 8>;
 
-// Cuts `polygon` by `inside` ≥ 0, linear in (x, y, w). Crossings are computed from the inner corner, so that
-// neighbours agree.
+// Cuts `polygon` by `inside` ≥ 0, linear in (x, y, w). Crossings are computed from the inner
+// corner, so that neighbours agree.
 // Source  Sutherland and Hodgman 1974
 size_t Cut(HomogeneousPolygon& polygon, size_t size, DVec3 plane, double offset) {
   HomogeneousPolygon kept{};
@@ -88,8 +89,8 @@ void FillPolygon(const ClippedPolygon& polygon, const TexelWindow& window,
                  const std::function<bool(uint32_t, uint32_t)>& opaque, ShadowBitmap& bitmap) {
   if (polygon.size < 3) return;
   const auto by_row = [](DVec2 a, DVec2 b) { return a.y < b.y; };
-  const auto [lowest, highest] = std::minmax_element(
-      polygon.texels.begin(), polygon.texels.begin() + polygon.size, by_row);
+  const auto [lowest, highest] =
+      std::minmax_element(polygon.texels.begin(), polygon.texels.begin() + polygon.size, by_row);
   const auto clamped_row = [&](double y) {
     return static_cast<uint32_t>(
         std::clamp<double>(std::ceil(y), window.row_begin, window.row_end));

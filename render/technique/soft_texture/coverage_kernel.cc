@@ -22,10 +22,9 @@ void ProjectVertices(const float* x, const float* y, const float* z, size_t coun
                      const TexelProjection& p, ProjectedVertices& out) {
   const F f;
   const VF half = hn::Set(f, 0.5f), one = hn::Set(f, 1.0f);
-  const auto row = [&](const float (&r)[3], VF vx, VF vy, VF vz, VF constant) {
+  const auto row = [&](const float(&r)[3], VF vx, VF vy, VF vz, VF constant) {
     return hn::MulAdd(vx, hn::Set(f, r[0]),
-                      hn::MulAdd(vy, hn::Set(f, r[1]),
-                                 hn::MulAdd(vz, hn::Set(f, r[2]), constant)));
+                      hn::MulAdd(vy, hn::Set(f, r[1]), hn::MulAdd(vz, hn::Set(f, r[2]), constant)));
   };
   for (size_t i = 0; i < count; i += hn::Lanes(f)) {
     const VF vx = hn::LoadU(f, x + i), vy = hn::LoadU(f, y + i), vz = hn::LoadU(f, z + i);
@@ -40,9 +39,9 @@ void ProjectVertices(const float* x, const float* y, const float* z, size_t coun
 
 // A batch of triangles ready to be drawn, corners sorted by row.
 struct Batch {
-  // The lowest corner, the slope of the edge from it to the highest one, and that to the middle one.
-  HWY_ALIGN float x_low[kMaxLanes], y_low[kMaxLanes], long_slope[kMaxLanes],
-      lower_slope[kMaxLanes];
+  // The lowest corner, the slope of the edge from it to the highest one, and that to the middle
+  // one.
+  HWY_ALIGN float x_low[kMaxLanes], y_low[kMaxLanes], long_slope[kMaxLanes], lower_slope[kMaxLanes];
   // The middle corner, and the slope of the edge from it to the highest one.
   HWY_ALIGN float x_middle[kMaxLanes], y_middle[kMaxLanes], upper_slope[kMaxLanes];
   HWY_ALIGN int32_t row_begin[kMaxLanes], row_end[kMaxLanes];
@@ -68,8 +67,9 @@ HWY_INLINE VU LowBits(VI k) {
   return hn::Sub(top, hn::Set(u, 1));
 }
 
-// The next whole number at or above `x`, for |x| < 2²²: adding 1.5 · 2²³ leaves the number in the lowest bits of the
-// mantissa. Highway's own conversion spends four more instructions on larger numbers.
+// The next whole number at or above `x`, for |x| < 2²²: adding 1.5 · 2²³ leaves the number in the
+// lowest bits of the mantissa. Highway's own conversion spends four more instructions on larger
+// numbers.
 HWY_INLINE VI CeilToInt(VF x) {
   const F f;
   const I i;
@@ -101,7 +101,8 @@ HWY_INLINE void DrawOne(const Batch& batch, size_t t, uint32_t first_row, uint32
     const VI left = CeilToInt(hn::Min(long_x, short_x));
     const VI right_end = CeilToInt(hn::Max(long_x, short_x));
     const VI right = hn::IfThenElse(hn::Lt(row, hn::Set(i, row_end)), right_end, left);
-    uint32_t* word = words + size_t{word_begin} * stride + (static_cast<uint32_t>(base) - first_row);
+    uint32_t* word =
+        words + size_t{word_begin} * stride + (static_cast<uint32_t>(base) - first_row);
     for (uint32_t c = word_begin; c < word_end; ++c, word += stride) {
       const VI offset = hn::Set(i, static_cast<int32_t>(32 * c));
       const VU below = LowBits(hn::Max(hn::Sub(left, offset), hn::Zero(i)));
@@ -156,8 +157,7 @@ void DrawTriangles(const ProjectedVertices& vertices, const TriangleList& triang
     auto keep = hn::RebindMask(f, in_list);
     auto too_near = hn::Lt(zero, zero);
     if (near_light) {
-      const VF w = hn::Min(hn::Min(GatherAt(vertices.w, index0),
-                                   GatherAt(vertices.w, index1)),
+      const VF w = hn::Min(hn::Min(GatherAt(vertices.w, index0), GatherAt(vertices.w, index1)),
                            GatherAt(vertices.w, index2));
       too_near = hn::And(keep, hn::Not(hn::Ge(w, hn::Set(f, kNearLightW))));
     } else if (triangles.facing != nullptr) {
@@ -174,9 +174,8 @@ void DrawTriangles(const ProjectedVertices& vertices, const TriangleList& triang
     const VF column_begin = hn::Max(hn::Ceil(left), zero);
     const VF column_end = hn::Min(hn::Ceil(right), width);
     keep = hn::And(keep, hn::And(hn::Lt(row_begin, row_end), hn::Lt(column_begin, column_end)));
-    const auto in_guard_band =
-        hn::And(hn::And(hn::Ge(left, guard_low), hn::Le(right, guard_right)),
-                hn::And(hn::Ge(a.y, guard_bottom), hn::Le(c.y, guard_top)));
+    const auto in_guard_band = hn::And(hn::And(hn::Ge(left, guard_low), hn::Le(right, guard_right)),
+                                       hn::And(hn::Ge(a.y, guard_bottom), hn::Le(c.y, guard_top)));
     const auto defer = hn::Or(too_near, hn::AndNot(in_guard_band, keep));
     for (uint32_t bits = Bits(defer); bits != 0; bits &= bits - 1) {
       deferred.push_back(t + static_cast<uint32_t>(__builtin_ctz(bits)));

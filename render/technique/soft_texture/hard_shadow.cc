@@ -20,8 +20,8 @@ TexelProjection ScaleToTexels(const ReceiverTransform& map, const ReceiverPatch&
   return projection;
 }
 
-// Whether all corners of the group's box lie beyond one side of the pyramid, or beyond the light. Each test is linear in
-// (x, y, w), so what holds for the corners holds for the box.
+// Whether all corners of the group's box lie beyond one side of the pyramid, or beyond the light.
+// Each test is linear in (x, y, w), so what holds for the corners holds for the box.
 bool MissesPyramid(const OccluderGroup& group, const ReceiverTransform& map) {
   bool beyond[5] = {true, true, true, true, true};
   for (int corner = 0; corner < 8; ++corner) {
@@ -81,9 +81,12 @@ void HardShadow::DrawRun(const OccluderSet& occluders, size_t begin, size_t end,
   ProjectVertices(occluders.x.data() + first.first_vertex, occluders.y.data() + first.first_vertex,
                   occluders.z.data() + first.first_vertex, vertex_count, projection_, projected_);
   const uint32_t t = first.first_triangle;
-  const TriangleList triangles{occluders.corner0.data() + t, occluders.corner1.data() + t,
-                               occluders.corner2.data() + t, occluders.facing.data() + t,
-                               last.first_triangle + last.triangle_count - t, first.first_vertex};
+  const TriangleList triangles{occluders.corner0.data() + t,
+                               occluders.corner1.data() + t,
+                               occluders.corner2.data() + t,
+                               occluders.facing.data() + t,
+                               last.first_triangle + last.triangle_count - t,
+                               first.first_vertex};
   deferred_.clear();
   DrawTriangles(projected_, triangles, window, near_light, bitmap, deferred_);
   for (const uint32_t triangle : deferred_) {
@@ -105,10 +108,9 @@ void HardShadow::DrawCarefully(const OccluderSet& occluders, uint32_t triangle,
     FillPolygon(polygon, window, nullptr, bitmap);
     return;
   }
-  const UvAcrossTriangle uv(homogeneous,
-                            {occluders.uv[corners[0]], occluders.uv[corners[1]],
-                             occluders.uv[corners[2]]},
-                            receiver_.width, receiver_.height);
+  const UvAcrossTriangle uv(
+      homogeneous, {occluders.uv[corners[0]], occluders.uv[corners[1]], occluders.uv[corners[2]]},
+      receiver_.width, receiver_.height);
   const auto opaque = [&](uint32_t column, uint32_t row) {
     return masked->alpha_mask->At(uv.At(column, row)) >= masked->alpha_cutoff;
   };

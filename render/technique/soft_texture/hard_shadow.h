@@ -17,7 +17,8 @@ class HardShadow {
  public:
   explicit HardShadow(const ReceiverPatch& receiver) : receiver_(receiver) {}
 
-  // Sets the bit of every texel of `window` whose line to the sample is blocked by one of `occluders`.
+  // Sets the bit of every texel of `window` whose line to the sample is blocked by one of
+  // `occluders`.
   void Draw(const OccluderSet& occluders, const ReceiverTransform& map, const TexelWindow& window,
             ShadowBitmap& bitmap);
 

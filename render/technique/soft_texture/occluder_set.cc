@@ -76,8 +76,8 @@ class SetBuilder {
  private:
   float Facing(const Instance& instance, bool cut) const {
     const MeshClosure closure = instance.mesh->closure();
-    const bool one_side_is_enough = closure == MeshClosure::kClosedOutward ||
-                                    (closure == MeshClosure::kClosed && !cut);
+    const bool one_side_is_enough =
+        closure == MeshClosure::kClosedOutward || (closure == MeshClosure::kClosed && !cut);
     if (instance.alpha_mask || !one_side_is_enough) return 0;
     const Affine& m = instance.world_from_mesh;
     const double det = glm::dot(DVec3(m[0]), glm::cross(DVec3(m[1]), DVec3(m[2])));
@@ -109,8 +109,8 @@ class SetBuilder {
     }
   }
 
-  // Where an edge crosses the plane. Always from the upper corner, so that both triangles of an edge get the
-  // same point.
+  // Where an edge crosses the plane. Always from the upper corner, so that both triangles of an
+  // edge get the same point.
   Corner Crossing(const Corner& a, const Corner& b) const {
     const Corner& high = a.height > b.height ? a : b;
     const Corner& low = a.height > b.height ? b : a;

@@ -82,8 +82,7 @@ absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::ta
   const uint32_t columns = (receiver_.width + 31) / 32;
   const uint32_t band_rows = std::clamp(kBandWords / columns, 1u, receiver_.height);
   const auto plane_count = static_cast<uint32_t>(std::bit_width(jobs.size()));
-  const int worker_count =
-      std::min(arena.max_concurrency(), static_cast<int>(jobs.size()));
+  const int worker_count = std::min(arena.max_concurrency(), static_cast<int>(jobs.size()));
   for (uint32_t row = 0; row < receiver_.height; row += band_rows) {
     const TexelWindow window{receiver_.width, row, std::min(row + band_rows, receiver_.height)};
     std::vector<std::unique_ptr<Worker>> workers(worker_count);
@@ -92,8 +91,8 @@ absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::ta
       ParallelFor(worker_count, [&](int w) {
         for (size_t j = next++; j < jobs.size() && !stop.stop_requested(); j = next++) {
           if (!workers[w]) {
-            workers[w] = std::make_unique<Worker>(receiver_, window.row_end - window.row_begin,
-                                                  plane_count);
+            workers[w] =
+                std::make_unique<Worker>(receiver_, window.row_end - window.row_begin, plane_count);
           }
           Worker& worker = *workers[w];
           worker.shadow.Draw(*jobs[j].occluders, jobs[j].map, window, worker.bitmap);

@@ -23,11 +23,12 @@ namespace penumbra {
 
 class OcclusionCounter {
  public:
-  // Occluders within `surface_offset` metres of the receiver's plane do not count, nor does a sample that is
-  // as near to it: it hides from nothing and sheds no light.
+  // Occluders within `surface_offset` metres of the receiver's plane do not count, nor does a
+  // sample that is as near to it: it hides from nothing and sheds no light.
   OcclusionCounter(const Scene& scene, const ReceiverPatch& receiver, double surface_offset);
 
-  // Adds what hides `samples`. The result depends on neither the arena's size nor how samples are split into calls.
+  // Adds what hides `samples`. The result depends on neither the arena's size nor how samples are
+  // split into calls.
   //
   // Errors  kCancelled: stop requested, asked once a sample; the counts are then of no use
   // Cost    O(samples · (triangles + texels drawn / 32))
@@ -43,7 +44,8 @@ class OcclusionCounter {
   const Scene& scene_;
   ReceiverPatch receiver_;
   double surface_offset_;
-  std::array<std::unique_ptr<OccluderSet>, 2> occluders_;  // on the front, on the back; made on first use
+  std::array<std::unique_ptr<OccluderSet>, 2>
+      occluders_;  // on the front, on the back; made on first use
   std::vector<uint16_t> counts_;
 };
 

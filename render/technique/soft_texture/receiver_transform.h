@@ -18,15 +18,16 @@ namespace penumbra {
 //   y = α_y n_y · (p − b)     n_y = e_x × e_w    α_y = 1 / (n_y · e_y)
 //   w = α_w n_w · (p − a)     n_w = e_y × e_x    α_w = 1 / (n_w · e_w)
 //
-// x/w and y/w are the receiver's u and v of the point's shadow, and w falls from 1 on the receiver to 0 at
-// the apex, so that depth 1/w runs from 1 to infinity. All three vanish at the apex. For a light at
-// infinity e_w is the direction in which light travels, and w is 1 everywhere: the map is affine.
+// x/w and y/w are the receiver's u and v of the point's shadow, and w falls from 1 on the receiver
+// to 0 at the apex, so that depth 1/w runs from 1 to infinity. All three vanish at the apex. For a
+// light at infinity e_w is the direction in which light travels, and w is 1 everywhere: the map is
+// affine.
 //
 // Source  Herf 1997, §3.2; derived and tested again in docs/techniques/soft_texture.md
 class ReceiverTransform {
  public:
-  // nullopt where there is no pyramid: the sample lies in the receiver's plane to within `min_height`
-  // (metres; for directions, to within that many metres per metre).
+  // nullopt where there is no pyramid: the sample lies in the receiver's plane to within
+  // `min_height` (metres; for directions, to within that many metres per metre).
   static std::optional<ReceiverTransform> Create(const Parallelogram& patch,
                                                  const LightSample& sample, double min_height);
 

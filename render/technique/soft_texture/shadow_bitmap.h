@@ -7,8 +7,8 @@
 
 namespace penumbra {
 
-// Words of 32 texels, stored column of words by column of words, so that the same word of consecutive rows is
-// consecutive in memory: a vector register holds 32 texels of up to 16 rows.
+// Words of 32 texels, stored column of words by column of words, so that the same word of
+// consecutive rows is consecutive in memory: a vector register holds 32 texels of up to 16 rows.
 struct ShadowBitmap {
   // A vector may reach past the last row.
   static constexpr uint32_t kRowPadding = 16;

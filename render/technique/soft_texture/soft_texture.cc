@@ -18,8 +18,9 @@ constexpr uint32_t kPassGrowth = 8;
 
 constexpr uint32_t kMaxSamples = 1024;
 
-// Coordinates carry 24 bits. What lies in the receiver's plane is off it by a few units in the last place of the largest
-// coordinate; 32 of them are still a twentieth of a millimetre for a building of 30 m.
+// Coordinates carry 24 bits. What lies in the receiver's plane is off it by a few units in the last
+// place of the largest coordinate; 32 of them are still a twentieth of a millimetre for a building
+// of 30 m.
 double SurfaceOffset(const Parallelogram& patch) {
   double largest = 0;
   for (const Vec2 uv : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)}) {
@@ -30,16 +31,17 @@ double SurfaceOffset(const Parallelogram& patch) {
   return std::ldexp(std::max(largest, size), -19);
 }
 
-// Samples that all passes up to and including `pass` count, of `n`. A last pass that would bring less than half as
-// many again is merged with the one before.
+// Samples that all passes up to and including `pass` count, of `n`. A last pass that would bring
+// less than half as many again is merged with the one before.
 uint32_t SamplesAfterPass(uint32_t pass, uint32_t n) {
   uint64_t count = kFirstPassSamples;
   for (uint32_t p = 0; p < pass && count < n; ++p) count *= kPassGrowth;
   return count + count / 2 >= n ? n : static_cast<uint32_t>(count);
 }
 
-// A straight shadow edge crosses about √(2n) of the n cells of a jittered grid; the sample in each of these is on the
-// dark side with some probability p, which adds p (1 − p) ≤ ¼ to the variance of the count.
+// A straight shadow edge crosses about √(2n) of the n cells of a jittered grid; the sample in each
+// of these is on the dark side with some probability p, which adds p (1 − p) ≤ ¼ to the variance of
+// the count.
 float ErrorEstimate(uint32_t n, bool has_size) {
   if (!has_size) return 0;
   const double crossed = std::min<double>(n, std::sqrt(2.0 * n));
@@ -107,7 +109,8 @@ class Computation {
 
  private:
   Artifact MakeArtifact(uint32_t done) {
-    SoftShadowTexture texture{.receiver = receiver_, .light = *light_, .visibility = {}, .radiance = {}};
+    SoftShadowTexture texture{
+        .receiver = receiver_, .light = *light_, .visibility = {}, .radiance = {}};
     texture.visibility = {receiver_.width, receiver_.height, done, counter_.counts()};
     for (uint16_t& count : texture.visibility.counts) count = static_cast<uint16_t>(done - count);
     if (ParamsOf(spec_).radiance) {
@@ -116,7 +119,8 @@ class Computation {
       header_.timings_ms["shading"] = shading.ElapsedMs();
     }
     header_.light_samples.assign(samples_.begin(), samples_.begin() + done);
-    for (LightSample& sample : header_.light_samples) sample.weight = 1.0f / static_cast<float>(done);
+    for (LightSample& sample : header_.light_samples)
+      sample.weight = 1.0f / static_cast<float>(done);
     header_.is_final = done == samples_.size();
     header_.error_estimate = ErrorEstimate(done, EffectiveSampleCount(*light_, 2) > 1);
     header_.timings_ms["compute"] = watch_.ElapsedMs();

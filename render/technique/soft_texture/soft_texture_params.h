@@ -16,13 +16,15 @@ struct SoftTextureParams {
 
   static constexpr ParameterInfo kParameters[] = {
       {"samples", "uint", "64", "1 to 1024", "light samples; noise falls with their square root"},
-      {"seed", "uint", "1", "any 64-bit number", "of the jitter: the same seed gives the same bits"},
+      {"seed", "uint", "1", "any 64-bit number",
+       "of the jitter: the same seed gives the same bits"},
       {"radiance", "bool", "false", "", "deliver reflected radiance next to the counts"},
   };
   static constexpr TechniqueInfo kInfo = {
       .name = "soft_texture",
-      .summary = "Soft shadows on a planar patch: at each texel, the exact number of light samples "
-                 "that see it.",
+      .summary =
+          "Soft shadows on a planar patch: at each texel, the exact number of light samples "
+          "that see it.",
       .artifact_kind = "soft_shadow_texture",
       .source = "Herf 1997, Efficient Generation of Soft Shadow Textures, CMU-CS-97-138",
       .parameters = kParameters,

@@ -79,7 +79,8 @@ TEST_F(ErrorsTest, ServersThatAreNotThere) {
 TEST_F(ErrorsTest, ScenesThatAServerDoesNotHave) {
   const std::string address = StartServer();
   ExpectError({"watch", "--server", address, "--scene", "nowhere"}, "nowhere");
-  ExpectError({"push", scene_, "--server", address, "--scene", "no blanks"}, "scene_id: found byte 32");
+  ExpectError({"push", scene_, "--server", address, "--scene", "no blanks"},
+              "scene_id: found byte 32");
   ExpectError(Bake({"--server", address, "--samples", "0"}), "samples: found 0");
   EXPECT_THAT(Run({"info", "--server", address}).out, HasSubstr("statistics.open_sessions  0"));
 }

@@ -32,33 +32,36 @@ double Kernel(DVec3 x, DVec3 n, DVec3 y, DVec3 m) {
 double BruteForceParallelogram(DVec3 corner, DVec3 u, DVec3 v, DVec3 x, DVec3 n) {
   const DVec3 cross = glm::cross(u, v);
   const DVec3 m = glm::normalize(cross);
-  return glm::length(cross) *
-         Integrate(1000, [&](double s, double t) { return Kernel(x, n, corner + s * u + t * v, m); });
+  return glm::length(cross) * Integrate(1000, [&](double s, double t) {
+           return Kernel(x, n, corner + s * u + t * v, m);
+         });
 }
 
 double BruteForceDisk(DVec3 center, DVec3 axis, double radius, DVec3 x, DVec3 n) {
   const DVec3 s = glm::normalize(glm::cross(axis, DVec3(0.31, 0.52, 0.79)));
   const DVec3 t = glm::cross(axis, s);
   return kPi * radius * radius * Integrate(1000, [&](double a, double b) {
-    const double r = radius * std::sqrt(a), phi = 2 * kPi * b;
-    return Kernel(x, n, center + r * (std::cos(phi) * s + std::sin(phi) * t), axis);
-  });
+           const double r = radius * std::sqrt(a), phi = 2 * kPi * b;
+           return Kernel(x, n, center + r * (std::cos(phi) * s + std::sin(phi) * t), axis);
+         });
 }
 
 // Σ cos θ / π over directions within α of the axis.
 double BruteForceCap(double cos_to_axis, double alpha) {
   const DVec3 n(std::sqrt(1 - cos_to_axis * cos_to_axis), 0, cos_to_axis);
-  return Integrate(1500, [&](double a, double b) {
-    const double z = 1 - a * (1 - std::cos(alpha)), r = std::sqrt(1 - z * z), phi = 2 * kPi * b;
-    return std::max(0.0, glm::dot(n, DVec3(r * std::cos(phi), r * std::sin(phi), z)));
-  }) * 2 * (1 - std::cos(alpha));
+  return Integrate(1500,
+                   [&](double a, double b) {
+                     const double z = 1 - a * (1 - std::cos(alpha)), r = std::sqrt(1 - z * z),
+                                  phi = 2 * kPi * b;
+                     return std::max(0.0,
+                                     glm::dot(n, DVec3(r * std::cos(phi), r * std::sin(phi), z)));
+                   }) *
+         2 * (1 - std::cos(alpha));
 }
 
 class FormFactorTest : public ::testing::Test {
  protected:
-  DVec3 RandomVector() {
-    return {uniform_(random_), uniform_(random_), uniform_(random_)};
-  }
+  DVec3 RandomVector() { return {uniform_(random_), uniform_(random_), uniform_(random_)}; }
   DVec3 RandomDirection() { return glm::normalize(RandomVector() + DVec3(1e-3)); }
 
   std::mt19937 random_{5};
@@ -67,19 +70,23 @@ class FormFactorTest : public ::testing::Test {
 
 TEST_F(FormFactorTest, OfAParallelogramIsTheIntegral) {
   for (int trial = 0; trial < 25; ++trial) {
-    const DVec3 corner = 2.0 * RandomVector() + DVec3(0, 0, 2.5), u = RandomVector(), v = RandomVector();
+    const DVec3 corner = 2.0 * RandomVector() + DVec3(0, 0, 2.5), u = RandomVector(),
+                v = RandomVector();
     const DVec3 n = RandomDirection();
     const std::array<DVec3, 4> polygon = {corner, corner + u, corner + u + v, corner + v};
     const double expected = BruteForceParallelogram(corner, u, v, DVec3(0), n);
-    EXPECT_NEAR(PolygonFormFactor(polygon, DVec3(0), n), expected, 2e-4 * (0.05 + expected)) << trial;
+    EXPECT_NEAR(PolygonFormFactor(polygon, DVec3(0), n), expected, 2e-4 * (0.05 + expected))
+        << trial;
   }
 }
 
-// A textbook value: a square of side 2 at distance 1, seen from below its corner: F = Σ over both edges.
+// A textbook value: a square of side 2 at distance 1, seen from below its corner: F = Σ over both
+// edges.
 TEST_F(FormFactorTest, OfASquareOverItsCornerIsTheTextbookValue) {
   const double a = 2.0, c = a / std::sqrt(1 + a * a);
   const double expected = (c * std::atan(a / std::sqrt(1 + a * a))) / kPi;
-  const std::array<DVec3, 4> square = {DVec3(0, 0, 1), DVec3(a, 0, 1), DVec3(a, a, 1), DVec3(0, a, 1)};
+  const std::array<DVec3, 4> square = {DVec3(0, 0, 1), DVec3(a, 0, 1), DVec3(a, a, 1),
+                                       DVec3(0, a, 1)};
   EXPECT_NEAR(PolygonFormFactor(square, DVec3(0), DVec3(0, 0, 1)), expected, 1e-12);
 }
 
@@ -116,7 +123,8 @@ TEST_F(FormFactorTest, OfADiskIsTheIntegral) {
     const double radius = 0.2 + 0.8 * std::abs(uniform_(random_));
     const double expected = BruteForceDisk(center, axis, radius, DVec3(0), n);
     EXPECT_NEAR(DiskFormFactor(center, axis, radius, DVec3(0), n), expected,
-                3e-4 * (0.05 + expected)) << trial;
+                3e-4 * (0.05 + expected))
+        << trial;
   }
 }
 

@@ -10,8 +10,11 @@ namespace {
 // 4×2 texels on a skew patch, the count of texel (i, j) being 4j + i of 8.
 Artifact Example() {
   SoftShadowTexture texture{
-      .receiver = {.patch = {Vec3(1, 2, 3), Vec3(4, 0, 0), Vec3(1, 0, -2)}, .width = 4, .height = 2},
-      .light = {.id = "l", .shape = SphereLight{.center = Vec3(2, 5, 2), .radiance = Vec3(1, 2, 3)}},
+      .receiver = {.patch = {Vec3(1, 2, 3), Vec3(4, 0, 0), Vec3(1, 0, -2)},
+                   .width = 4,
+                   .height = 2},
+      .light = {.id = "l",
+                .shape = SphereLight{.center = Vec3(2, 5, 2), .radiance = Vec3(1, 2, 3)}},
       .visibility = {4, 2, 8, {0, 1, 2, 3, 4, 5, 6, 7}},
       .radiance = {}};
   return {.header = {}, .payload = texture};
@@ -38,7 +41,8 @@ TEST(ReflectedRadiance, IsTheProductOfItsThreeFactors) {
   const RadianceTexture radiance = ReflectedRadiance(texture);
   ASSERT_EQ(radiance.texels.size(), 8u);
   const Vec3 point = texture.receiver.TexelCenter(3, 1);
-  const Vec3 expected = Vec3(0.5f, 0.25f, 1) * UnoccludedRadiance(texture.light, point, Vec3(0, 1, 0)) * 0.875f;
+  const Vec3 expected =
+      Vec3(0.5f, 0.25f, 1) * UnoccludedRadiance(texture.light, point, Vec3(0, 1, 0)) * 0.875f;
   EXPECT_LT(glm::length(radiance.texels[7] - expected), 1e-7f);
   EXPECT_GT(expected.x, 0);
 

@@ -14,7 +14,8 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(Blob, ComesBackAsItWas) {
-  for (MeshGeometry geometry : {testing::UnitBoxGeometry(), testing::UnitSquareGeometry(), MeshGeometry{}}) {
+  for (MeshGeometry geometry :
+       {testing::UnitBoxGeometry(), testing::UnitSquareGeometry(), MeshGeometry{}}) {
     if (geometry.positions.size() == 4) geometry.normals.assign(4, Vec3(0, 1, 0));
     const auto mesh = *Mesh::Create(geometry);
     const auto bytes = EncodeBlob(mesh->geometry());
@@ -45,7 +46,8 @@ TEST(Blob, RefusesEveryTruncationAndAppendage) {
   EXPECT_EQ(ErrorReason(DecodeBlob(bytes).status()), "LENGTH");
 }
 
-// Counts that overflow 32 bits when multiplied, or promise gigabytes: refused before anything is allocated.
+// Counts that overflow 32 bits when multiplied, or promise gigabytes: refused before anything is
+// allocated.
 TEST(Blob, ChecksDeclaredSizesFirst) {
   auto bytes = EncodeBlob(testing::UnitSquareGeometry());
   for (const uint32_t count : {0xffffffffu, 0x40000000u, 0x15555556u}) {
@@ -65,7 +67,8 @@ TEST(Blob, ChecksDeclaredSizesFirst) {
 TEST(Blob, RefusesOtherFormats) {
   auto bytes = EncodeBlob(testing::UnitSquareGeometry());
   bytes[0] = std::byte{'X'};
-  EXPECT_THAT(std::string(DecodeBlob(bytes).status().message()), HasSubstr("need a mesh or a mask"));
+  EXPECT_THAT(std::string(DecodeBlob(bytes).status().message()),
+              HasSubstr("need a mesh or a mask"));
   bytes = EncodeBlob(testing::UnitSquareGeometry());
   bytes[4] = std::byte{9};
   EXPECT_THAT(std::string(DecodeBlob(bytes).status().message()), HasSubstr("found version 9"));

@@ -10,8 +10,9 @@ namespace penumbra {
 namespace {
 
 AreaLight UnitSquare() {
-  return {.id = "square",
-          .shape = RectangleLight{.corner = Vec3(0), .edge_u = Vec3(1, 0, 0), .edge_v = Vec3(0, 1, 0)}};
+  return {
+      .id = "square",
+      .shape = RectangleLight{.corner = Vec3(0), .edge_u = Vec3(1, 0, 0), .edge_v = Vec3(0, 1, 0)}};
 }
 
 TEST(SampleLight, PutsOneSampleInEachCell) {
@@ -46,7 +47,8 @@ TEST(SampleLight, IsUnbiasedForEveryCount) {
   }
 }
 
-// The first k of 64 samples lie in k different cells of any coarser grid that has at least 2k of them.
+// The first k of 64 samples lie in k different cells of any coarser grid that has at least 2k of
+// them.
 TEST(SampleLight, SpreadsEveryPrefix) {
   const auto samples = SampleLight(UnitSquare(), 64, 1, Vec3(0));
   double nearest = 1;

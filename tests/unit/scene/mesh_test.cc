@@ -14,7 +14,10 @@ namespace {
 using ::testing::HasSubstr;
 
 MeshGeometry Triangle() {
-  return {.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}, .normals = {}, .uvs = {}};
+  return {.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+          .indices = {0, 1, 2},
+          .normals = {},
+          .uvs = {}};
 }
 
 void ExpectRefused(MeshGeometry geometry, absl::StatusCode code, const std::string& reason,
@@ -80,7 +83,8 @@ MeshGeometry Joined(MeshGeometry a, const MeshGeometry& b, Vec3 shift, bool insi
   const auto first = static_cast<uint32_t>(a.positions.size());
   for (const Vec3& p : b.positions) a.positions.push_back(p + shift);
   for (size_t t = 0; t < b.indices.size(); t += 3) {
-    for (const size_t k : {size_t{0}, inside_out ? size_t{2} : size_t{1}, inside_out ? size_t{1} : size_t{2}}) {
+    for (const size_t k :
+         {size_t{0}, inside_out ? size_t{2} : size_t{1}, inside_out ? size_t{1} : size_t{2}}) {
       a.indices.push_back(first + b.indices[t + k]);
     }
   }
@@ -102,8 +106,7 @@ TEST(MeshClosure, TellsSolidsFromSheets) {
   EXPECT_EQ((*Mesh::Create(Joined(box, box, Vec3(5, 0, 0), true)))->closure(),
             MeshClosure::kClosed);
   // Two boxes that share an edge: four faces meet there.
-  EXPECT_EQ((*Mesh::Create(Joined(box, box, Vec3(2, 2, 0), false)))->closure(),
-            MeshClosure::kOpen);
+  EXPECT_EQ((*Mesh::Create(Joined(box, box, Vec3(2, 2, 0), false)))->closure(), MeshClosure::kOpen);
 }
 
 TEST(MeshClosure, WeldsVerticesThatWereSplitForTheirNormals) {

@@ -12,7 +12,8 @@ namespace penumbra {
 namespace {
 
 Instance Placed(MeshGeometry geometry, Affine world_from_mesh = IdentityAffine()) {
-  return {.id = "i", .mesh = testing::MeshOf(std::move(geometry)), .world_from_mesh = world_from_mesh};
+  return {
+      .id = "i", .mesh = testing::MeshOf(std::move(geometry)), .world_from_mesh = world_from_mesh};
 }
 
 double AreaOf(const Parallelogram& p) { return glm::length(glm::cross(p.edge_u, p.edge_v)); }
@@ -46,8 +47,11 @@ TEST(BoundingParallelogram, OfAPlacedSquareIsTheSquare) {
 
 TEST(BoundingParallelogram, OfATurnedRectangleIsNoLargerThanIt) {
   const float c = std::cos(0.4f), s = std::sin(0.4f);
-  MeshGeometry l_shape{.positions = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}},
-                       .indices = {0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5}, .normals = {}, .uvs = {}};
+  MeshGeometry l_shape{
+      .positions = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}},
+      .indices = {0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5},
+      .normals = {},
+      .uvs = {}};
   for (Vec3& p : l_shape.positions) p = Vec3(c * p.x - s * p.y, s * p.x + c * p.y, 0);
   const Instance instance = Placed(l_shape);
   const auto patch = BoundingParallelogram(instance);
@@ -60,7 +64,8 @@ TEST(BoundingParallelogram, OfATurnedRectangleIsNoLargerThanIt) {
 TEST(BoundingParallelogram, FollowsTheWindingOfAMirror) {
   const Affine mirror(Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0));
   EXPECT_GT(BoundingParallelogram(Placed(testing::UnitSquareGeometry()))->normal().y, 0.99f);
-  EXPECT_LT(BoundingParallelogram(Placed(testing::UnitSquareGeometry(), mirror))->normal().y, -0.99f);
+  EXPECT_LT(BoundingParallelogram(Placed(testing::UnitSquareGeometry(), mirror))->normal().y,
+            -0.99f);
 }
 
 TEST(BoundingParallelogram, RefusesWhatIsNotFlat) {
@@ -74,7 +79,8 @@ TEST(BoundingParallelogram, RefusesWhatIsNotFlat) {
 }
 
 TEST(ReceiverPatch, HasTexelCentresHalfATexelIn) {
-  const ReceiverPatch patch{.patch = {Vec3(0), Vec3(4, 0, 0), Vec3(0, 0, -2)}, .width = 4, .height = 2};
+  const ReceiverPatch patch{
+      .patch = {Vec3(0), Vec3(4, 0, 0), Vec3(0, 0, -2)}, .width = 4, .height = 2};
   EXPECT_EQ(patch.TexelCenter(0, 0), Vec3(0.5f, 0, -0.5f));
   EXPECT_EQ(patch.TexelCenter(3, 1), Vec3(3.5f, 0, -1.5f));
 }

@@ -25,8 +25,10 @@ AreaLight Lamp(std::string id) {
 
 std::shared_ptr<const Scene> Studio() {
   SceneDelta delta;
-  delta.upsert_instances = {Box("a"), Box("b", Vec3(3, 1, 0)),
-                            {.id = "floor", .mesh = testing::MeshOf(testing::UnitSquareGeometry())}};
+  delta.upsert_instances = {
+      Box("a"),
+      Box("b", Vec3(3, 1, 0)),
+      {.id = "floor", .mesh = testing::MeshOf(testing::UnitSquareGeometry())}};
   delta.upsert_lights = {Lamp("lamp")};
   delta.upsert_receivers = {testing::FloorReceiver("patch", 6, 64),
                             {.id = "on-floor", .shape = PlanarInstance{"floor"}}};
@@ -124,7 +126,10 @@ std::function<void(SceneDelta&)> WithInstance(std::function<void(Instance&)> spo
 const Refusal kRefusals[] = {
     {"NanTransform", WithInstance([](Instance& i) { i.world_from_mesh[3].x = kNan; }), kInvalid,
      "NON_FINITE", "upsert_instances[1].world_from_mesh"},
-    {"FarAway", WithInstance([](Instance& i) { i.world_from_mesh[0].x = 9e8f; i.world_from_mesh[3].x = 5e8f; }),
+    {"FarAway", WithInstance([](Instance& i) {
+       i.world_from_mesh[0].x = 9e8f;
+       i.world_from_mesh[3].x = 5e8f;
+     }),
      kInvalid, "OUT_OF_BOUNDS", "upsert_instances[1].world_from_mesh"},
     {"NoMesh", WithInstance([](Instance& i) { i.mesh = nullptr; }), kInvalid, "MISSING_MESH",
      "upsert_instances[1].mesh"},
@@ -141,10 +146,16 @@ const Refusal kRefusals[] = {
      "upsert_instances[1].id"},
     {"TwiceInADelta", WithInstance([](Instance& i) { i.id = "good"; }), kInvalid, "DUPLICATE_ID",
      "upsert_instances[1].id"},
-    {"RemoveUnknown", [](SceneDelta& d) { d.remove_lights = {"lamp", "moon"}; },
+    {"RemoveUnknown",
+     [](SceneDelta& d) {
+       d.remove_lights = {"lamp", "moon"};
+     },
      absl::StatusCode::kNotFound, "UNKNOWN_ID", "remove_lights[1]"},
-    {"RemoveTwice", [](SceneDelta& d) { d.remove_instances = {"a", "a"}; }, kInvalid,
-     "DUPLICATE_ID", "remove_instances[1]"},
+    {"RemoveTwice",
+     [](SceneDelta& d) {
+       d.remove_instances = {"a", "a"};
+     },
+     kInvalid, "DUPLICATE_ID", "remove_instances[1]"},
     {"ZeroEdge", WithLight(RectangleLight{.edge_v = Vec3(0)}), kInvalid, "ZERO_AREA",
      "upsert_lights[0].edge_v"},
     {"ParallelEdges", WithLight(RectangleLight{.edge_u = Vec3(1, 2, 3), .edge_v = Vec3(2, 4, 6)}),
@@ -161,7 +172,8 @@ const Refusal kRefusals[] = {
      "upsert_lights[0].to_light"},
     {"InsideOutCone", WithLight(SpotLight{.inner_angle = 0.9f, .outer_angle = 0.5f}), kInvalid,
      "RANGE", "upsert_lights[0].inner_angle"},
-    {"InfiniteCentre", WithLight(PointLight{.position = Vec3(0, std::numeric_limits<float>::infinity(), 0)}),
+    {"InfiniteCentre",
+     WithLight(PointLight{.position = Vec3(0, std::numeric_limits<float>::infinity(), 0)}),
      kInvalid, "NON_FINITE", "upsert_lights[0].position"},
     {"NoTexels", WithReceiver([](Receiver& r) { r.width = 0; }), kInvalid, "RANGE",
      "upsert_receivers[0].width"},
@@ -169,8 +181,9 @@ const Refusal kRefusals[] = {
      "TOO_LARGE", "upsert_receivers[0].width"},
     {"AbsurdSide", WithReceiver([](Receiver& r) { r.height = 0x80000000u; }), kInvalid, "RANGE",
      "upsert_receivers[0].height"},
-    {"FlatPatch", WithReceiver([](Receiver& r) { std::get<Parallelogram>(r.shape).edge_u = Vec3(0); }),
-     kInvalid, "ZERO_AREA", "upsert_receivers[0].edge_u"},
+    {"FlatPatch",
+     WithReceiver([](Receiver& r) { std::get<Parallelogram>(r.shape).edge_u = Vec3(0); }), kInvalid,
+     "ZERO_AREA", "upsert_receivers[0].edge_u"},
     {"MissingInstance", WithReceiver([](Receiver& r) { r.shape = PlanarInstance{"ghost"}; }),
      absl::StatusCode::kFailedPrecondition, "MISSING_INSTANCE", "upsert_receivers[0].instance_id"},
     {"SolidInstance", WithReceiver([](Receiver& r) { r.shape = PlanarInstance{"a"}; }),

@@ -17,7 +17,8 @@ double Area(const ClippedPolygon& polygon) {
 }
 
 TEST(ClipToTexture, KeepsWhatIsInside) {
-  // A right triangle of legs 1/2 at w = 1/2: its shadow has legs of 1, that is of 100 and 40 texels.
+  // A right triangle of legs 1/2 at w = 1/2: its shadow has legs of 1, that is of 100 and 40
+  // texels.
   const HomogeneousTriangle triangle = {DVec3(0, 0, 0.5), DVec3(0.5, 0, 0.5), DVec3(0, 0.5, 0.5)};
   const ClippedPolygon polygon = ClipToTexture(triangle, 100, 40);
   ASSERT_EQ(polygon.size, 3u);
@@ -35,9 +36,9 @@ TEST(ClipToTexture, CutsALargeTriangleToTheMargin) {
 TEST(ClipToTexture, DropsWhatIsBehindTheLight) {
   const HomogeneousTriangle behind = {DVec3(0, 0, -0.5), DVec3(-1, 0, -0.5), DVec3(0, -1, -0.5)};
   EXPECT_EQ(ClipToTexture(behind, 10, 10).size, 0u);
-  // One corner passes the light: the shadow goes on to infinity, here to the margin, and never flips over.
-  const HomogeneousTriangle through = {DVec3(0.2, 0.2, 1), DVec3(0.8, 0.2, 1),
-                                       DVec3(0.5, 5, -0.5)};
+  // One corner passes the light: the shadow goes on to infinity, here to the margin, and never
+  // flips over.
+  const HomogeneousTriangle through = {DVec3(0.2, 0.2, 1), DVec3(0.8, 0.2, 1), DVec3(0.5, 5, -0.5)};
   const ClippedPolygon polygon = ClipToTexture(through, 10, 10);
   ASSERT_GE(polygon.size, 3u);
   for (size_t i = 0; i < polygon.size; ++i) {

@@ -66,7 +66,8 @@ TEST_P(CoverageKernelTest, SetsJustTheTexelsWhoseCentresAreInside) {
   std::uniform_real_distribution<float> x(-40, kWidth + 40.0f), y(-40, kHeight + 40.0f);
   for (int trial = 0; trial < 300; ++trial) {
     Triangles triangles;
-    const Vec2 p[3] = {{x(random_), y(random_)}, {x(random_), y(random_)}, {x(random_), y(random_)}};
+    const Vec2 p[3] = {
+        {x(random_), y(random_)}, {x(random_), y(random_)}, {x(random_), y(random_)}};
     triangles.Add(p[0], p[1], p[2]);
     const ShadowBitmap bitmap = Draw(triangles);
     for (uint32_t row = 0; row < kHeight; ++row) {
@@ -88,7 +89,8 @@ TEST_P(CoverageKernelTest, SetsJustTheTexelsWhoseCentresAreInside) {
   }
 }
 
-// A fan around one point, every edge shared by two triangles: each texel inside must be covered by exactly one.
+// A fan around one point, every edge shared by two triangles: each texel inside must be covered by
+// exactly one.
 TEST_P(CoverageKernelTest, LeavesNoGapAndNoOverlapBetweenNeighbours) {
   std::uniform_real_distribution<float> jitter(-0.4f, 0.4f);
   constexpr int kSide = 12;
@@ -105,8 +107,8 @@ TEST_P(CoverageKernelTest, LeavesNoGapAndNoOverlapBetweenNeighbours) {
   for (int j = 0; j < kSide; ++j) {
     for (int i = 0; i < kSide; ++i) {
       const int c = j * (kSide + 1) + i;
-      for (const auto& t : {std::array{c, c + 1, c + kSide + 1},
-                            std::array{c + 1, c + kSide + 2, c + kSide + 1}}) {
+      for (const auto& t :
+           {std::array{c, c + 1, c + kSide + 1}, std::array{c + 1, c + kSide + 2, c + kSide + 1}}) {
         Triangles triangles;
         triangles.Add(grid[t[0]], grid[t[1]], grid[t[2]]);
         const ShadowBitmap bitmap = Draw(triangles);
@@ -121,8 +123,8 @@ TEST_P(CoverageKernelTest, LeavesNoGapAndNoOverlapBetweenNeighbours) {
 
 TEST_P(CoverageKernelTest, LeavesOutFacesThatLookAway) {
   Triangles triangles;
-  triangles.Add({10, 10}, {50, 10}, {10, 50}, 1);    // positive area: kept
-  triangles.Add({60, 10}, {60, 50}, {100, 10}, 1);   // negative: left out
+  triangles.Add({10, 10}, {50, 10}, {10, 50}, 1);      // positive area: kept
+  triangles.Add({60, 10}, {60, 50}, {100, 10}, 1);     // negative: left out
   triangles.Add({110, 10}, {110, 50}, {140, 10}, -1);  // negative, as wanted
   const ShadowBitmap bitmap = Draw(triangles);
   EXPECT_TRUE(IsSet(bitmap, 15, 15));

@@ -18,7 +18,8 @@ class ReceiverTransformTest : public ::testing::Test {
   std::mt19937 random_{7};
 };
 
-// The definition, in Herf 1997 §3.2: what x, y and w are at the apex and at three corners of the base.
+// The definition, in Herf 1997 §3.2: what x, y and w are at the apex and at three corners of the
+// base.
 TEST_F(ReceiverTransformTest, TakesThePyramidsCornersWhereTheyBelong) {
   for (int trial = 0; trial < 200; ++trial) {
     const Parallelogram patch = RandomPatch();
@@ -37,7 +38,8 @@ TEST_F(ReceiverTransformTest, TakesThePyramidsCornersWhereTheyBelong) {
   }
 }
 
-// The second derivation: u and v of a point's shadow by intersecting the line from the light with the plane.
+// The second derivation: u and v of a point's shadow by intersecting the line from the light with
+// the plane.
 TEST_F(ReceiverTransformTest, ProjectsLikeALineFromTheLight) {
   for (const bool at_infinity : {false, true}) {
     for (int trial = 0; trial < 200; ++trial) {

@@ -37,7 +37,8 @@ absl::StatusOr<Artifact> Compute(const Scene& scene, SoftTextureParams params = 
                                  int threads = 2) {
   tbb::task_arena arena(threads);
   const ArtifactSpec spec{.params = params, .light_id = "light", .receiver_id = "floor"};
-  const ComputeContext context{.arena = arena, .gl = nullptr, .stop = {}, .progress = {}, .now_ms = {}};
+  const ComputeContext context{
+      .arena = arena, .gl = nullptr, .stop = {}, .progress = {}, .now_ms = {}};
   return TechniqueFor(spec.params).Compute(scene, spec, context);
 }
 
@@ -45,11 +46,10 @@ const SoftShadowTexture& TextureOf(const Artifact& artifact) {
   return std::get<SoftShadowTexture>(artifact.payload);
 }
 
-// Whether some triangle blocks the open segment from `from` towards the sample, in double precision, by signs of
-// volumes. Sets `grazing` when a volume is too small to trust.
+// Whether some triangle blocks the open segment from `from` towards the sample, in double
+// precision, by signs of volumes. Sets `grazing` when a volume is too small to trust.
 bool Blocked(const Scene& scene, DVec3 from, const LightSample& sample, bool& grazing) {
-  const DVec3 direction =
-      sample.at_infinity ? DVec3(sample.point) : DVec3(sample.point) - from;
+  const DVec3 direction = sample.at_infinity ? DVec3(sample.point) : DVec3(sample.point) - from;
   bool blocked = false;
   for (const auto& [id, instance] : scene.instances()) {
     if (!instance->casts) continue;
@@ -58,7 +58,8 @@ bool Blocked(const Scene& scene, DVec3 from, const LightSample& sample, bool& gr
       DVec3 p[3];
       for (int k = 0; k < 3; ++k) {
         p[k] = DVec3(TransformPoint(instance->world_from_mesh,
-                                    mesh.positions()[mesh.indices()[t + k]])) - from;
+                                    mesh.positions()[mesh.indices()[t + k]])) -
+               from;
       }
       const double volume[3] = {glm::dot(direction, glm::cross(p[0], p[1])),
                                 glm::dot(direction, glm::cross(p[1], p[2])),
@@ -106,7 +107,8 @@ SceneDelta RandomBoxes(int count, uint32_t seed) {
   std::uniform_real_distribution<float> uniform(-1, 1);
   SceneDelta delta;
   for (int b = 0; b < count; ++b) {
-    const Vec3 position(2.5f * uniform(random), 1.0f + 0.9f * uniform(random), 2.5f * uniform(random));
+    const Vec3 position(2.5f * uniform(random), 1.0f + 0.9f * uniform(random),
+                        2.5f * uniform(random));
     const Vec3 scale(0.3f + 0.25f * uniform(random), 0.3f, b % 3 == 0 ? -0.3f : 0.3f);
     delta.upsert_instances.push_back(
         {.id = "box" + std::to_string(b),
@@ -139,12 +141,13 @@ TEST(SoftTexture, MatchesRaysForEveryKindOfLight) {
 TEST(SoftTexture, MatchesRaysWhenObjectsPassTheLight) {
   SceneDelta delta;
   // A tilted slab that starts at the floor and ends above the lamp, inside the pyramid.
-  delta.upsert_instances = {{.id = "slab",
-                             .mesh = testing::MeshOf(testing::UnitBoxGeometry()),
-                             .world_from_mesh = Rotated(0.7f, Vec3(0.9f, 1.4f, 0), Vec3(0.2f, 1.6f, 0.8f))},
-                            {.id = "close",
-                             .mesh = testing::MeshOf(testing::UnitBoxGeometry()),
-                             .world_from_mesh = testing::Placed(Vec3(-0.4f, 1.97f, 0.1f), 0.02f)}};
+  delta.upsert_instances = {
+      {.id = "slab",
+       .mesh = testing::MeshOf(testing::UnitBoxGeometry()),
+       .world_from_mesh = Rotated(0.7f, Vec3(0.9f, 1.4f, 0), Vec3(0.2f, 1.6f, 0.8f))},
+      {.id = "close",
+       .mesh = testing::MeshOf(testing::UnitBoxGeometry()),
+       .world_from_mesh = testing::Placed(Vec3(-0.4f, 1.97f, 0.1f), 0.02f)}};
   delta.upsert_receivers = {Floor(48, 48)};
   delta.upsert_lights = {Ceiling(2)};
   const auto scene = SceneOf(delta);
@@ -170,8 +173,8 @@ TEST(SoftTexture, MatchesRaysFromBelowAndOnASkewPatch) {
   ExpectMatchesRays(*scene, *artifact);
 }
 
-// A square of side 2 with a mask of 2×2 texels, its left half clear, parallel to the floor under a point light twice as
-// high: the shadow is the right half of a square of side 4.
+// A square of side 2 with a mask of 2×2 texels, its left half clear, parallel to the floor under a
+// point light twice as high: the shadow is the right half of a square of side 4.
 TEST(SoftTexture, LetsLightThroughTheMask) {
   SceneDelta delta;
   delta.upsert_instances = {{.id = "leaf",
@@ -192,8 +195,9 @@ TEST(SoftTexture, LetsLightThroughTheMask) {
   }
 }
 
-// Behind a straight edge the visible fraction is that of the light's width: a closed form. The half-plane x < 0 at
-// height 2 under a light of half-width 1 at height 4 leaves light samples with x > −x_floor visible.
+// Behind a straight edge the visible fraction is that of the light's width: a closed form. The
+// half-plane x < 0 at height 2 under a light of half-width 1 at height 4 leaves light samples with
+// x > −x_floor visible.
 TEST(SoftTexture, HasTheRampOfAStraightEdge) {
   SceneDelta delta;
   delta.upsert_instances = {{.id = "edge",
@@ -223,14 +227,16 @@ TEST(SoftTexture, GivesTheSameBitsForAnyNumberOfThreadsAndPasses) {
   tbb::task_arena arena(2);
   std::vector<uint32_t> sample_counts;
   const ArtifactSpec spec{SoftTextureParams{.samples = 100}, "light", "floor"};
-  const ComputeContext context{.arena = arena,
-                               .gl = nullptr,
-                               .stop = {},
-                               .progress = [&](const Artifact& artifact) {
-                                 EXPECT_FALSE(artifact.header.is_final);
-                                 sample_counts.push_back(TextureOf(artifact).visibility.sample_count);
-                               },
-                               .now_ms = {}};
+  const ComputeContext context{
+      .arena = arena,
+      .gl = nullptr,
+      .stop = {},
+      .progress =
+          [&](const Artifact& artifact) {
+            EXPECT_FALSE(artifact.header.is_final);
+            sample_counts.push_back(TextureOf(artifact).visibility.sample_count);
+          },
+      .now_ms = {}};
   const auto progressive = TechniqueFor(spec.params).Compute(*scene, spec, context);
   EXPECT_EQ(TextureOf(*progressive).visibility.counts, TextureOf(one).visibility.counts);
   EXPECT_TRUE(progressive->header.is_final);
@@ -242,22 +248,31 @@ TEST(SoftTexture, SurvivesGeometryThatCastsNothing) {
   SceneDelta delta;
   delta.upsert_instances = {
       {.id = "empty", .mesh = mesh({})},
-      {.id = "no-triangles", .mesh = mesh({.positions = {{0, 1, 0}}, .indices = {}, .normals = {}, .uvs = {}})},
-      {.id = "point", .mesh = mesh({.positions = {{0, 1, 0}}, .indices = {0, 0, 0}, .normals = {}, .uvs = {}})},
+      {.id = "no-triangles",
+       .mesh = mesh({.positions = {{0, 1, 0}}, .indices = {}, .normals = {}, .uvs = {}})},
+      {.id = "point",
+       .mesh = mesh({.positions = {{0, 1, 0}}, .indices = {0, 0, 0}, .normals = {}, .uvs = {}})},
       {.id = "needle",
-       .mesh = mesh({.positions = {{0, 1, 0}, {1, 1, 0}, {2, 1, 0}}, .indices = {0, 1, 2}, .normals = {}, .uvs = {}})},
+       .mesh = mesh({.positions = {{0, 1, 0}, {1, 1, 0}, {2, 1, 0}},
+                     .indices = {0, 1, 2},
+                     .normals = {},
+                     .uvs = {}})},
       {.id = "scaled-away",
        .mesh = mesh(testing::UnitBoxGeometry()),
        .world_from_mesh = testing::Placed(Vec3(0, 1, 0), 0)},
       {.id = "in-the-floor",
        .mesh = mesh(testing::UnitSquareGeometry()),
        .world_from_mesh = testing::Placed(Vec3(0), 3)},
-      {.id = "below", .mesh = mesh(testing::UnitBoxGeometry()),
+      {.id = "below",
+       .mesh = mesh(testing::UnitBoxGeometry()),
        .world_from_mesh = testing::Placed(Vec3(0, -2, 0))},
-      {.id = "above-the-light", .mesh = mesh(testing::UnitBoxGeometry()),
+      {.id = "above-the-light",
+       .mesh = mesh(testing::UnitBoxGeometry()),
        .world_from_mesh = testing::Placed(Vec3(0, 6, 0))},
-      {.id = "does-not-cast", .mesh = mesh(testing::UnitBoxGeometry()),
-       .world_from_mesh = testing::Placed(Vec3(0, 2, 0)), .casts = false}};
+      {.id = "does-not-cast",
+       .mesh = mesh(testing::UnitBoxGeometry()),
+       .world_from_mesh = testing::Placed(Vec3(0, 2, 0)),
+       .casts = false}};
   delta.upsert_receivers = {Floor(32, 32)};
   delta.upsert_lights = {Ceiling()};
   const auto artifact = Compute(*SceneOf(delta));
@@ -268,10 +283,10 @@ TEST(SoftTexture, SurvivesGeometryThatCastsNothing) {
 TEST(SoftTexture, DefinesALightInTheReceiversPlane) {
   SceneDelta delta = RandomBoxes(4, 3);
   delta.upsert_receivers = {Floor(16, 16)};
-  delta.upsert_lights = {{.id = "light",
-                          .shape = RectangleLight{.corner = Vec3(-1, 0, -1),
-                                                  .edge_u = Vec3(2, 0, 0),
-                                                  .edge_v = Vec3(0, 0, 2)}}};
+  delta.upsert_lights = {
+      {.id = "light",
+       .shape = RectangleLight{
+           .corner = Vec3(-1, 0, -1), .edge_u = Vec3(2, 0, 0), .edge_v = Vec3(0, 0, 2)}}};
   const auto artifact = Compute(*SceneOf(delta), {.radiance = true});
   ASSERT_TRUE(artifact.ok());
   for (const uint16_t count : TextureOf(*artifact).visibility.counts) EXPECT_EQ(count, 64);
@@ -322,8 +337,8 @@ TEST(SoftTexture, HandlesGridsOfOneTexelAndOfManyBands) {
   ASSERT_TRUE(tiny.ok());
   ExpectMatchesRays(*SceneOf(delta), *tiny);
 
-  // 8192 columns of 256 words: bands of 256 rows. The coarse grid's texel centres recur in the fine one where the
-  // ratio is odd.
+  // 8192 columns of 256 words: bands of 256 rows. The coarse grid's texel centres recur in the fine
+  // one where the ratio is odd.
   delta.upsert_receivers = {Floor(8191, 301)};
   const auto fine = Compute(*SceneOf(delta), {.samples = 4});
   ASSERT_TRUE(fine.ok());
@@ -332,8 +347,8 @@ TEST(SoftTexture, HandlesGridsOfOneTexelAndOfManyBands) {
   int differing = 0;
   for (uint32_t j = 0; j < 43; ++j) {
     for (uint32_t i = 0; i < 8191; ++i) {
-      differing += TextureOf(*fine).visibility.At(i, 7 * j + 3) !=
-                   TextureOf(*coarse).visibility.At(i, j);
+      differing +=
+          TextureOf(*fine).visibility.At(i, 7 * j + 3) != TextureOf(*coarse).visibility.At(i, j);
     }
   }
   EXPECT_LT(differing, 8191 * 43 / 2000);
