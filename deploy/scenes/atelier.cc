@@ -70,8 +70,8 @@ MeshGeometry Chair() {
   MeshGeometry chair;
   constexpr float kSeat = 0.45f, kBack = 0.92f, kHalf = 0.21f;
   for (const float x : {-kHalf, kHalf}) {
-    Append(chair, Bar({x, 0, 0.2f}, {x, kSeat, 0.19f}, Vec2(0.03f), Vec2(0.035f)));
-    Append(chair, Bar({x, 0, -0.23f}, {x, kSeat, -0.19f}, Vec2(0.03f), Vec2(0.035f)));
+    Append(chair, Bar({x, 0.002f, 0.2f}, {x, kSeat, 0.19f}, Vec2(0.03f), Vec2(0.035f)));
+    Append(chair, Bar({x, 0.002f, -0.23f}, {x, kSeat, -0.19f}, Vec2(0.03f), Vec2(0.035f)));
     Append(chair, Bar({x, kSeat, -0.19f}, {x, kBack, -0.28f}, Vec2(0.035f), Vec2(0.025f)));
     Append(chair,
            Bar({x, kSeat - 0.03f, -0.19f}, {x, kSeat - 0.03f, 0.19f}, Vec2(0.03f), Vec2(0.03f)));
