@@ -41,7 +41,7 @@ TEST_F(ErrorsTest, CommandLinesThatMakeNoSense) {
 
 TEST_F(ErrorsTest, FilesThatCannotBeRead) {
   ExpectError({"bake", folder_ / "none.glb", "--out", folder_ / "out"}, "none.glb");
-  ExpectError({"bake", folder_, "--out", folder_ / "out"}, folder_);
+  ExpectError({"bake", folder_, "--out", folder_ / "out"}, "need a regular file");
   std::ofstream(folder_ / "broken.glb") << "glTF and then nothing";
   ExpectError({"bake", folder_ / "broken.glb", "--out", folder_ / "out"}, "broken.glb");
   std::ofstream(folder_ / "far.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
@@ -60,7 +60,7 @@ TEST_F(ErrorsTest, ScenesThatCannotBeComputed) {
   ExpectError(Bake({"--samples", "100000"}), "samples");
   ExpectError(Bake({"--light", "moon"}), "--light: found \"moon\"");
   ExpectError(Bake({"--receiver-instance", "moon"}), "--receiver-instance: found \"moon\"");
-  ExpectError(Bake({"--receiver-instance", "box"}), "not flat");
+  ExpectError(Bake({"--receiver-instance", "box"}), "need an instance in one plane");
   ExpectError(Bake({"--receiver", "0 0 0 1 0 0 2 0 0"}), "edge_v");
   ExpectError(Bake({"--rect-light", "0 5 0 0 0 0 0 0 1 5"}), "edge_u");
   ExpectError(Bake({"--sphere-light", "0 5 0 -1 5"}), "radius");
