@@ -1,0 +1,69 @@
+#include "proto/convert/status_convert.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "google/rpc/error_details.pb.h"
+#include "render/scene/field_error.h"
+
+namespace penumbra {
+namespace {
+
+void ExpectSame(const absl::Status& found, const absl::Status& expected) {
+  EXPECT_EQ(found.code(), expected.code());
+  EXPECT_EQ(found.message(), expected.message());
+  EXPECT_EQ(ErrorReason(found), ErrorReason(expected));
+  EXPECT_EQ(ErrorFieldPath(found), ErrorFieldPath(expected));
+}
+
+TEST(StatusConvertTest, EveryCodeGoesThereAndBack) {
+  for (int code = 1; code <= 16; ++code) {
+    const auto kind = static_cast<absl::StatusCode>(code);
+    for (const absl::Status& status :
+         {absl::Status(kind, "plain"), absl::Status(kind, ""),
+          FieldError(kind, "RANGE", "", "found 0, need more"),
+          FieldError(kind, "RANGE", "lights[2].edge_v", "found 0, need more"),
+          WithFieldPrefix(FieldError(kind, "BAD_ID", "id", "found ''"), "hello.")}) {
+      ExpectSame(FromProto(ToProto(status)), status);
+      ExpectSame(FromGrpcStatus(ToGrpcStatus(status)), status);
+      EXPECT_EQ(static_cast<int>(ToGrpcStatus(status).error_code()), code);
+    }
+  }
+  EXPECT_TRUE(FromProto(ToProto(absl::OkStatus())).ok());
+  EXPECT_TRUE(ToGrpcStatus(absl::OkStatus()).ok());
+  EXPECT_TRUE(FromGrpcStatus(grpc::Status::OK).ok());
+}
+
+TEST(StatusConvertTest, DetailsAreThoseOfGoogleRpc) {
+  const auto proto =
+      ToProto(FieldError(absl::StatusCode::kInvalidArgument, "NON_FINITE", "a[1].b", "found NaN"));
+  EXPECT_EQ(proto.code(), 3);
+  EXPECT_EQ(proto.message(), "a[1].b: found NaN");
+  EXPECT_EQ(proto.details(0).type_url(), "type.googleapis.com/google.rpc.ErrorInfo");
+  EXPECT_EQ(proto.details(1).type_url(), "type.googleapis.com/google.rpc.BadRequest");
+  google::rpc::BadRequest request;
+  ASSERT_TRUE(proto.details(1).UnpackTo(&request));
+  EXPECT_EQ(request.field_violations(0).field(), "a[1].b");
+  EXPECT_EQ(request.field_violations(0).description(), "found NaN");
+}
+
+TEST(StatusConvertTest, ForeignErrorsKeepCodeAndMessage) {
+  ExpectSame(FromGrpcStatus(grpc::Status(grpc::StatusCode::UNAVAILABLE, "failed to connect")),
+             absl::UnavailableError("failed to connect"));
+  ExpectSame(FromGrpcStatus(grpc::Status(grpc::StatusCode::ABORTED, "m", "not a message \xff")),
+             absl::AbortedError("m"));
+  google::rpc::Status other;
+  other.set_code(static_cast<int>(absl::StatusCode::kNotFound));
+  other.set_message("m");
+  google::rpc::ErrorInfo info;
+  info.set_reason("THEIRS");
+  info.set_domain("example.org");
+  other.add_details()->PackFrom(info);
+  ExpectSame(FromProto(other), absl::NotFoundError("m"));
+  other.set_code(1234);
+  EXPECT_EQ(FromProto(other).code(), absl::StatusCode::kUnknown);
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,187 @@
+#include "proto/convert/tile_codec.h"
+
+#include <gtest/gtest.h>
+#include <zstd.h>
+
+#include <functional>
+#include <string>
+
+#include "render/scene/field_error.h"
+#include "tests/support/random_scene.h"
+
+namespace penumbra {
+namespace {
+
+using testing::Dice;
+
+SoftShadowTexture Texture(uint32_t width, uint32_t height, uint32_t samples, bool radiance) {
+  SoftShadowTexture texture;
+  texture.visibility = {.width = width,
+                        .height = height,
+                        .sample_count = samples,
+                        .counts = std::vector<uint16_t>(size_t{width} * height)};
+  if (radiance) {
+    texture.radiance = RadianceTexture{
+        .width = width, .height = height, .texels = std::vector<Vec3>(size_t{width} * height)};
+  }
+  return texture;
+}
+
+SoftShadowTexture RandomTexture(uint32_t width, uint32_t height, uint32_t samples, bool radiance) {
+  Dice dice(width * 7919 + samples);
+  SoftShadowTexture texture = Texture(width, height, samples, radiance);
+  for (auto& count : texture.visibility.counts) {
+    count = static_cast<uint16_t>(dice.Below(samples + 1));
+  }
+  if (radiance) {
+    for (auto& texel : texture.radiance->texels) texel = dice.InCube(10);
+  }
+  return texture;
+}
+
+void ForTiles(const SoftShadowTexture& texture,
+              const std::function<void(uint32_t column, uint32_t row)>& visit) {
+  const TileGrid grid = GridOf(texture);
+  for (uint32_t row = 0; row < grid.rows(); ++row) {
+    for (uint32_t column = 0; column < grid.columns(); ++column) visit(column, row);
+  }
+}
+
+void ExpectThereAndBack(const SoftShadowTexture& texture) {
+  SoftShadowTexture back = Texture(texture.visibility.width, texture.visibility.height,
+                                   texture.visibility.sample_count, texture.radiance.has_value());
+  TileEncoder encoder;
+  TileDecoder decoder;
+  ForTiles(texture, [&](uint32_t column, uint32_t row) {
+    const auto status = decoder.Decode(encoder.Encode(texture, column, row), back);
+    EXPECT_TRUE(status.ok()) << status;
+    EXPECT_TRUE(TilesEqual(texture, back, column, row));
+  });
+  EXPECT_EQ(back.visibility.counts, texture.visibility.counts);
+  if (texture.radiance) {
+    EXPECT_EQ(back.radiance->texels, texture.radiance->texels);
+  }
+}
+
+TEST(TileCodecTest, NoiseGoesThereAndBackForAnySize) {
+  for (const uint32_t samples : {1u, 2u, 255u, 256u, 1024u, 65535u}) {
+    for (const auto& [width, height] : {std::pair{1u, 1u}, {64u, 64u}, {65u, 63u}, {200u, 130u}}) {
+      ExpectThereAndBack(RandomTexture(width, height, samples, false));
+      ExpectThereAndBack(RandomTexture(width, height, samples, true));
+    }
+  }
+}
+
+TEST(TileCodecTest, FlatTilesCarryNoBytes) {
+  SoftShadowTexture texture = Texture(64, 64, 300, false);
+  TileEncoder encoder;
+  EXPECT_EQ(encoder.Encode(texture, 0, 0).counts_codec(), v1::CODEC_NONE_VISIBLE);
+  EXPECT_TRUE(encoder.Encode(texture, 0, 0).counts().empty());
+  ExpectThereAndBack(texture);
+  texture.visibility.counts.assign(64 * 64, 300);
+  EXPECT_EQ(encoder.Encode(texture, 0, 0).counts_codec(), v1::CODEC_ALL_VISIBLE);
+  ExpectThereAndBack(texture);
+  texture.visibility.counts.back() = 299;
+  EXPECT_EQ(encoder.Encode(texture, 0, 0).counts_codec(), v1::CODEC_ZSTD);
+  ExpectThereAndBack(texture);
+}
+
+TEST(TileCodecTest, NoiseIsNotMadeLonger) {
+  const auto tile = TileEncoder().Encode(RandomTexture(64, 64, 65535, false), 0, 0);
+  EXPECT_EQ(tile.counts_codec(), v1::CODEC_RAW);
+  EXPECT_EQ(tile.counts().size(), 64u * 64 * 2);
+}
+
+TEST(TileCodecTest, FlatTilesAreEqualAcrossSampleCounts) {
+  SoftShadowTexture coarse = Texture(128, 64, 8, false);
+  SoftShadowTexture fine = Texture(128, 64, 64, false);
+  for (uint32_t i = 0; i < 64; ++i) {  // the left tile is lit, the right one half lit
+    for (uint32_t j = 0; j < 64; ++j) {
+      coarse.visibility.counts[j * 128 + i] = 8;
+      fine.visibility.counts[j * 128 + i] = 64;
+      coarse.visibility.counts[j * 128 + 64 + i] = i < 32 ? 8 : 0;
+      fine.visibility.counts[j * 128 + 64 + i] = i < 32 ? 64 : 0;
+    }
+  }
+  EXPECT_TRUE(TilesEqual(coarse, fine, 0, 0));
+  EXPECT_FALSE(TilesEqual(coarse, fine, 1, 0));
+  CopyTiles(coarse, fine);
+  EXPECT_EQ(fine.visibility.At(5, 5), 64);
+}
+
+TEST(TileCodecTest, ADifferenceOfOneTexelIsSeen) {
+  const SoftShadowTexture a = RandomTexture(130, 70, 64, true);
+  SoftShadowTexture b = a;
+  b.visibility.counts.back() ^= 1;
+  EXPECT_FALSE(TilesEqual(a, b, 2, 1));
+  EXPECT_TRUE(TilesEqual(a, b, 1, 1));
+  b = a;
+  b.radiance.value().texels[64].y += 1;
+  EXPECT_FALSE(TilesEqual(a, b, 1, 0));
+  EXPECT_TRUE(TilesEqual(a, b, 0, 0));
+}
+
+struct BadTile {
+  const char* reason;
+  const char* field;
+  std::function<void(v1::Tile&)> spoil;
+};
+
+std::string ZstdOf(const std::string& plain) {
+  std::string packed(ZSTD_compressBound(plain.size()), '\0');
+  packed.resize(ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), 1));
+  return packed;
+}
+
+TEST(TileCodecTest, BadTilesAreErrors) {
+  const BadTile bad_tiles[] = {
+      {"RANGE", "tile", [](v1::Tile& tile) { tile.set_column(2); }},
+      {"RANGE", "tile", [](v1::Tile& tile) { tile.set_row(0xffffffffu); }},
+      {"CODEC", "tile.counts", [](v1::Tile& tile) { tile.clear_counts_codec(); }},
+      {"CODEC", "tile.counts", [](v1::Tile& tile) { tile.set_counts_codec(v1::Codec(77)); }},
+      {"CODEC", "tile.counts",
+       [](v1::Tile& tile) {
+         tile.set_counts_codec(v1::CODEC_ZSTD);
+         tile.set_counts("no frame");
+       }},
+      {"CODEC", "tile.counts",
+       [](v1::Tile& tile) {  // 64 MB in a few KB
+         tile.set_counts_codec(v1::CODEC_ZSTD);
+         tile.set_counts(ZstdOf(std::string(64 << 20, '\0')));
+       }},
+      {"LENGTH", "tile.counts",
+       [](v1::Tile& tile) {
+         tile.set_counts_codec(v1::CODEC_ZSTD);
+         tile.set_counts(ZstdOf(std::string(100, '\0')));
+       }},
+      {"LENGTH", "tile.counts",
+       [](v1::Tile& tile) {
+         tile.set_counts_codec(v1::CODEC_RAW);
+         tile.set_counts(std::string(64 * 64 - 1, '\0'));
+       }},
+      {"RANGE", "tile.counts",
+       [](v1::Tile& tile) {
+         tile.set_counts_codec(v1::CODEC_RAW);
+         tile.set_counts(std::string(64 * 64, '\x11'));  // 17 of 16
+       }},
+      {"CODEC", "tile.radiance", [](v1::Tile& tile) { tile.set_radiance_codec(v1::Codec(0)); }},
+      {"LENGTH", "tile.radiance",
+       [](v1::Tile& tile) {
+         tile.set_radiance_codec(v1::CODEC_RAW);
+         tile.set_radiance("short");
+       }},
+  };
+  const SoftShadowTexture texture = RandomTexture(128, 64, 16, true);
+  for (const BadTile& bad : bad_tiles) {
+    v1::Tile tile = TileEncoder().Encode(texture, 0, 0);
+    bad.spoil(tile);
+    SoftShadowTexture into = Texture(128, 64, 16, true);
+    const auto status = TileDecoder().Decode(tile, into);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_EQ(ErrorReason(status), bad.reason) << status;
+    EXPECT_EQ(ErrorFieldPath(status), bad.field) << status;
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
