@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 using Words = std::vector<std::string>;
+
+Words Cut(const std::string& text) {
+  Words words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, '|');) words.push_back(word);
+  return words;
+}
 
 template <typename C>
 C Parsed(const Words& words) {
@@ -37,34 +45,11 @@ std::string ErrorOf(const Words& words) {
 }
 
 TEST(CommandLineTest, BakeInFull) {
-  const auto bake = Parsed<BakeCommand>({"bake",
-                                         "table.glb",
-                                         "--technique",
-                                         "soft_texture",
-                                         "--server",
-                                         "host:1",
-                                         "--light",
-                                         "sun",
-                                         "--rect-light",
-                                         "0 2 0 1 0 0 0 0 1 5",
-                                         "--receiver",
-                                         "-1,0,1 2 0 0 0 0 -2",
-                                         "--receiver-instance",
-                                         "wall",
-                                         "--floor",
-                                         "--size",
-                                         "128x64",
-                                         "--samples",
-                                         "16",
-                                         "--seed",
-                                         "18446744073709551615",
-                                         "--out",
-                                         "dir",
-                                         "--exposure",
-                                         "2",
-                                         "--reflectance",
-                                         "0.5",
-                                         "--json"});
+  const auto bake = Parsed<BakeCommand>(
+      Cut("bake|table.glb|--technique|soft_texture|--server|host:1|--light|sun|--rect-light|"
+          "0 2 0 1 0 0 0 0 1 5|--receiver|-1,0,1 2 0 0 0 0 -2|--receiver-instance|wall|--floor|"
+          "--size|128x64|--samples|16|--seed|18446744073709551615|--out|dir|--exposure|2|"
+          "--reflectance|0.5|--json"));
   EXPECT_EQ(bake.engine.server, "host:1");
   EXPECT_EQ(bake.request.scene, "table.glb");
   EXPECT_THAT(bake.request.light_ids, ElementsAre("sun"));
