@@ -64,43 +64,40 @@ SubscriptionFeed::Message SubscriptionFeed::NextMessage() {
   if (!in_update()) BeginUpdate();
   v1::ArtifactUpdate fields;
   fields.set_subscription_id(id_);
-  std::vector<grpc::Slice> slices(1);  // the first for what is this subscription's own
-  size_t shared_bytes = 0;
-  const auto share = [&](const grpc::Slice& slice) {
-    slices.push_back(slice);
-    shared_bytes += slice.size();
-  };
-  if (std::exchange(is_first_message_, false)) {
-    fields.set_revision(sending_.revision);
-    if (!sending_.status.ok()) *fields.mutable_error() = ToProto(sending_.status);
-    if (sends_artifact_) {
-      fields.set_base_sequence(base_);
-      share(sending_.artifact->header);
-      if (sending_.artifact->light_samples_changed_at > base_) {
-        share(sending_.artifact->light_samples);
-      }
-    }
-  }
-  bool is_last = true;
-  if (sends_artifact_) {
-    const auto& tiles = sending_.artifact->tiles;
-    for (; next_tile_ < tiles.size(); ++next_tile_) {
-      const EncodedTile& tile = tiles[next_tile_];
-      if (tile.changed_at <= base_) continue;
-      if (shared_bytes + tile.bytes.size() + kEnvelopeBytes > max_message_bytes_) break;
-      share(tile.bytes);
-    }
-    is_last = next_tile_ == tiles.size();
-    if (is_last) held_sequence_ = sending_.artifact->sequence;
-  }
+  SharedSlices shared;
+  if (std::exchange(is_first_message_, false)) BeginMessages(fields, shared);
+  const bool is_last = !sends_artifact_ || AddTiles(shared);
+  if (is_last && sends_artifact_) held_sequence_ = sending_.artifact->sequence;
   fields.set_update_sequence(sends_artifact_ ? sending_.artifact->sequence : held_sequence_);
   fields.set_end_of_update(is_last);
-  const std::string own = fields.SerializeAsString();
-  slices[0] = grpc::Slice(
-      FieldPrefix(v1::SessionResponse::kArtifactUpdateFieldNumber, own.size() + shared_bytes) +
-      own);
   if (is_last) sending_ = {};
-  return {grpc::ByteBuffer(slices.data(), slices.size()), is_last};
+  const std::string own = fields.SerializeAsString();
+  shared.slices[0] = grpc::Slice(
+      FieldPrefix(v1::SessionResponse::kArtifactUpdateFieldNumber, own.size() + shared.bytes) +
+      own);
+  return {grpc::ByteBuffer(shared.slices.data(), shared.slices.size()), is_last};
+}
+
+void SubscriptionFeed::BeginMessages(v1::ArtifactUpdate& fields, SharedSlices& shared) const {
+  fields.set_revision(sending_.revision);
+  if (!sending_.status.ok()) *fields.mutable_error() = ToProto(sending_.status);
+  if (!sends_artifact_) return;
+  fields.set_base_sequence(base_);
+  shared.Add(sending_.artifact->header);
+  if (sending_.artifact->light_samples_changed_at > base_) {
+    shared.Add(sending_.artifact->light_samples);
+  }
+}
+
+bool SubscriptionFeed::AddTiles(SharedSlices& shared) {
+  const auto& tiles = sending_.artifact->tiles;
+  for (; next_tile_ < tiles.size(); ++next_tile_) {
+    const EncodedTile& tile = tiles[next_tile_];
+    if (tile.changed_at <= base_) continue;
+    if (shared.bytes + tile.bytes.size() + kEnvelopeBytes > max_message_bytes_) return false;
+    shared.Add(tile.bytes);
+  }
+  return true;
 }
 
 }  // namespace penumbra

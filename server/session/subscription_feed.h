@@ -7,8 +7,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "grpcpp/support/byte_buffer.h"
+#include "grpcpp/support/slice.h"
+#include "penumbra/v1/artifact.pb.h"
 #include "server/limits.h"
 #include "server/session/artifact_stream.h"
 
@@ -39,7 +42,21 @@ class SubscriptionFeed {
   Message NextMessage();
 
  private:
+  // A message in the making: a place for what is this subscription's own, then what all share.
+  struct SharedSlices {
+    std::vector<grpc::Slice> slices = std::vector<grpc::Slice>(1);
+    size_t bytes = 0;
+
+    void Add(const grpc::Slice& slice) {
+      slices.push_back(slice);
+      bytes += slice.size();
+    }
+  };
+
   void BeginUpdate();
+  void BeginMessages(v1::ArtifactUpdate& fields, SharedSlices& shared) const;
+  // Whether all the rest fitted in.
+  bool AddTiles(SharedSlices& shared);
 
   const uint64_t id_;
   const std::shared_ptr<ArtifactStream> stream_;

@@ -133,46 +133,47 @@ std::string ZstdOf(const std::string& plain) {
   return packed;
 }
 
+const BadTile kBadTiles[] = {
+    {"RANGE", "tile", [](v1::Tile& tile) { tile.set_column(2); }},
+    {"RANGE", "tile", [](v1::Tile& tile) { tile.set_row(0xffffffffu); }},
+    {"CODEC", "tile.counts", [](v1::Tile& tile) { tile.clear_counts_codec(); }},
+    {"CODEC", "tile.counts", [](v1::Tile& tile) { tile.set_counts_codec(v1::Codec(77)); }},
+    {"CODEC", "tile.counts",
+     [](v1::Tile& tile) {
+       tile.set_counts_codec(v1::CODEC_ZSTD);
+       tile.set_counts("no frame");
+     }},
+    {"CODEC", "tile.counts",
+     [](v1::Tile& tile) {  // 64 MB in a few KB
+       tile.set_counts_codec(v1::CODEC_ZSTD);
+       tile.set_counts(ZstdOf(std::string(64 << 20, '\0')));
+     }},
+    {"LENGTH", "tile.counts",
+     [](v1::Tile& tile) {
+       tile.set_counts_codec(v1::CODEC_ZSTD);
+       tile.set_counts(ZstdOf(std::string(100, '\0')));
+     }},
+    {"LENGTH", "tile.counts",
+     [](v1::Tile& tile) {
+       tile.set_counts_codec(v1::CODEC_RAW);
+       tile.set_counts(std::string(64 * 64 - 1, '\0'));
+     }},
+    {"RANGE", "tile.counts",
+     [](v1::Tile& tile) {
+       tile.set_counts_codec(v1::CODEC_RAW);
+       tile.set_counts(std::string(64 * 64, '\x11'));  // 17 of 16
+     }},
+    {"CODEC", "tile.radiance", [](v1::Tile& tile) { tile.set_radiance_codec(v1::Codec(0)); }},
+    {"LENGTH", "tile.radiance",
+     [](v1::Tile& tile) {
+       tile.set_radiance_codec(v1::CODEC_RAW);
+       tile.set_radiance("short");
+     }},
+};
+
 TEST(TileCodecTest, BadTilesAreErrors) {
-  const BadTile bad_tiles[] = {
-      {"RANGE", "tile", [](v1::Tile& tile) { tile.set_column(2); }},
-      {"RANGE", "tile", [](v1::Tile& tile) { tile.set_row(0xffffffffu); }},
-      {"CODEC", "tile.counts", [](v1::Tile& tile) { tile.clear_counts_codec(); }},
-      {"CODEC", "tile.counts", [](v1::Tile& tile) { tile.set_counts_codec(v1::Codec(77)); }},
-      {"CODEC", "tile.counts",
-       [](v1::Tile& tile) {
-         tile.set_counts_codec(v1::CODEC_ZSTD);
-         tile.set_counts("no frame");
-       }},
-      {"CODEC", "tile.counts",
-       [](v1::Tile& tile) {  // 64 MB in a few KB
-         tile.set_counts_codec(v1::CODEC_ZSTD);
-         tile.set_counts(ZstdOf(std::string(64 << 20, '\0')));
-       }},
-      {"LENGTH", "tile.counts",
-       [](v1::Tile& tile) {
-         tile.set_counts_codec(v1::CODEC_ZSTD);
-         tile.set_counts(ZstdOf(std::string(100, '\0')));
-       }},
-      {"LENGTH", "tile.counts",
-       [](v1::Tile& tile) {
-         tile.set_counts_codec(v1::CODEC_RAW);
-         tile.set_counts(std::string(64 * 64 - 1, '\0'));
-       }},
-      {"RANGE", "tile.counts",
-       [](v1::Tile& tile) {
-         tile.set_counts_codec(v1::CODEC_RAW);
-         tile.set_counts(std::string(64 * 64, '\x11'));  // 17 of 16
-       }},
-      {"CODEC", "tile.radiance", [](v1::Tile& tile) { tile.set_radiance_codec(v1::Codec(0)); }},
-      {"LENGTH", "tile.radiance",
-       [](v1::Tile& tile) {
-         tile.set_radiance_codec(v1::CODEC_RAW);
-         tile.set_radiance("short");
-       }},
-  };
   const SoftShadowTexture texture = RandomTexture(128, 64, 16, true);
-  for (const BadTile& bad : bad_tiles) {
+  for (const BadTile& bad : kBadTiles) {
     v1::Tile tile = TileEncoder().Encode(texture, 0, 0);
     bad.spoil(tile);
     SoftShadowTexture into = Texture(128, 64, 16, true);

@@ -66,11 +66,11 @@ TEST(BoundedParseTest, TooLongAndMalformedAreTold) {
   limits.max_message_bytes = 10;
   EXPECT_EQ(ErrorReason(Parse(std::string(11, 'x'), request, limits)), "QUOTA_MESSAGE_BYTES");
   for (const std::string& bad : {std::string("\x12\x05"
-                                            "abc"),                  // shorter than it says
-                                std::string("\x13\x14", 2),          // a group
-                                std::string("\x00", 1),              // field 0
-                                std::string("\x12\x02\x12\x05", 4),  // inside out
-                                std::string("\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\x01")}) {
+                                             "abc"),                  // shorter than it says
+                                 std::string("\x13\x14", 2),          // a group
+                                 std::string("\x00", 1),              // field 0
+                                 std::string("\x12\x02\x12\x05", 4),  // inside out
+                                 std::string("\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\x01")}) {
     EXPECT_EQ(ErrorReason(Parse(bad, request)), "MALFORMED");
   }
 }
