@@ -1,6 +1,6 @@
 #!/bin/sh
 # Proves that the two commands need nothing but a bare Debian 12: makes one with debootstrap, copies the
-# tracked files of this tree into it and runs the commands there as root; then the same in a second
+# last commit of this tree into it and runs the commands there as root; then the same in a second
 # bare Debian as a user with sudo.
 #
 #   deploy/prove_clean_root.sh FOLDER                # the demo and tests/run.sh --quick
@@ -50,7 +50,7 @@ make_root() {
   rm -rf --one-file-system "$root"
   cp -a "$folder/base" "$root"
   mkdir -p "$root/penumbra" "$root/ccache" "$root/usr/local/share/ca-certificates"
-  git -C "$tree" ls-files -z | tar -C "$tree" --null -T - -c | tar -C "$root/penumbra" -x --no-same-owner
+  git -C "$tree" archive HEAD | tar -C "$root/penumbra" -x --no-same-owner
   cp /etc/resolv.conf "$root/etc/resolv.conf"
   cp /usr/local/share/ca-certificates/*.crt "$root/usr/local/share/ca-certificates/" 2>/dev/null || true
   mount -t proc proc "$root/proc"
@@ -74,6 +74,7 @@ run_as() {
 }
 
 make_base
+echo "commit $(git -C "$tree" rev-parse HEAD)"
 
 make_root root
 run_as root deploy/demo.sh
