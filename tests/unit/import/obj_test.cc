@@ -15,7 +15,7 @@ constexpr char kSquare[] = "v 0 0 0\nv 0 0 1\nv 1 0 1\nv 1 0 0\n";
 absl::StatusOr<ImportedScene> WithMaterials(const std::string& obj, const std::string& mtl) {
   const TempFolder folder;
   folder.Write("m.mtl", mtl);
-  return ImportScene(folder.Write("model.obj", "mtllib m.mtl\n" + obj));
+  return ImportScene(folder.Write("model.obj", absl::StrCat("mtllib m.mtl\n", obj)));
 }
 
 TEST(Obj, ObjectsAndMaterialsBecomeInstances) {
@@ -75,7 +75,7 @@ TEST(Obj, IndicesOutOfRangeAreRefused) {
 
 TEST(Obj, FacesOfAbsurdlyManyCornersAreRefused) {
   std::string face = "f";
-  for (int i = 0; i < 100'000; ++i) face += " " + std::to_string(1 + i % 4);
+  for (int i = 0; i < 100'000; ++i) absl::StrAppend(&face, " ", 1 + i % 4);
   const auto scene = ImportBytes("a.obj", kSquare + face + "\n");
   EXPECT_EQ(scene.status().code(), StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(scene.status().message()), HasSubstr("line 5"));
