@@ -56,6 +56,12 @@ struct PlaneFrame {
   DVec3 Lift(DVec2 q) const { return origin + q.x * s + q.y * t; }
 };
 
+PlaneFrame FrameAcross(DVec3 normal, DVec3 origin) {
+  const DVec3 axis = std::abs(normal.x) < 0.9 ? DVec3(1, 0, 0) : DVec3(0, 0, 1);
+  const DVec3 s = glm::normalize(axis - glm::dot(axis, normal) * normal);
+  return {origin, s, glm::cross(normal, s)};
+}
+
 struct FlatBox {
   DVec2 corner, u, v;
   double area = std::numeric_limits<double>::infinity();
@@ -113,13 +119,8 @@ absl::StatusOr<Parallelogram> BoundingParallelogram(const Instance& instance) {
   if (!(glm::length(twice_area) > 1e-12 * extent * extent)) {
     return NotPlanar(instance, twice_size > 0 ? "has no front" : "covers no area");
   }
-  PlaneFrame frame;
   const DVec3 normal = glm::normalize(twice_area);
-  frame.origin = corners[0];
-  const DVec3 axis = std::abs(normal.x) < 0.9 ? DVec3(1, 0, 0) : DVec3(0, 0, 1);
-  frame.s = glm::normalize(axis - glm::dot(axis, normal) * normal);
-  frame.t = glm::cross(normal, frame.s);
-
+  const PlaneFrame frame = FrameAcross(normal, corners[0]);
   const double tolerance = kPlanarTolerance * extent;
   std::vector<DVec2> flat;
   flat.reserve(corners.size());

@@ -124,79 +124,126 @@ HWY_INLINE uint32_t Bits(M mask) {
   return bytes[0] | uint32_t{bytes[1]} << 8;
 }
 
+// One lane a triangle.
+struct TriangleLanes {
+  VI index0, index1, index2;
+  Corners a, b, c;
+  decltype(hn::Lt(VI(), VI())) in_list;  // false past the list's end
+};
+
+HWY_INLINE TriangleLanes LoadTriangles(const ProjectedVertices& vertices,
+                                       const TriangleList& triangles, uint32_t t) {
+  const I i;
+  TriangleLanes lanes;
+  lanes.in_list = hn::Lt(hn::Iota(i, static_cast<int32_t>(t)),
+                         hn::Set(i, static_cast<int32_t>(triangles.count)));
+  const VI first = hn::Set(i, static_cast<int32_t>(triangles.first_vertex));
+  const auto corner = [&](const uint32_t* corners) HWY_ATTR {
+    const VI index = hn::LoadU(i, reinterpret_cast<const int32_t*>(corners + t));
+    return hn::IfThenElseZero(lanes.in_list, hn::Sub(index, first));
+  };
+  lanes.index0 = corner(triangles.corner0);
+  lanes.index1 = corner(triangles.corner1);
+  lanes.index2 = corner(triangles.corner2);
+  lanes.a = {GatherAt(vertices.x, lanes.index0), GatherAt(vertices.y, lanes.index0)};
+  lanes.b = {GatherAt(vertices.x, lanes.index1), GatherAt(vertices.y, lanes.index1)};
+  lanes.c = {GatherAt(vertices.x, lanes.index2), GatherAt(vertices.y, lanes.index2)};
+  return lanes;
+}
+
+// Whether a triangle's projected area has the sign that it needs to face the light.
+HWY_INLINE auto FacesLight(const TriangleLanes& lanes, const float* facing) {
+  const F f;
+  const VF area = hn::MulSub(hn::Sub(lanes.b.x, lanes.a.x), hn::Sub(lanes.c.y, lanes.a.y),
+                             hn::Mul(hn::Sub(lanes.c.x, lanes.a.x), hn::Sub(lanes.b.y, lanes.a.y)));
+  return hn::Ge(hn::Mul(area, hn::LoadU(f, facing)), hn::Zero(f));
+}
+
+HWY_INLINE auto TooNearLight(const ProjectedVertices& vertices, const TriangleLanes& lanes) {
+  const VF w =
+      hn::Min(hn::Min(GatherAt(vertices.w, lanes.index0), GatherAt(vertices.w, lanes.index1)),
+              GatherAt(vertices.w, lanes.index2));
+  return hn::Not(hn::Ge(w, hn::Set(F(), kNearLightW)));
+}
+
+// The rows and columns of texel centres that the triangles span, cut to the window.
+struct Extent {
+  VF row_begin, row_end, column_begin, column_end;
+};
+
+// Edge slopes. A level edge divides by 0, and no row asks for it.
+HWY_INLINE void StoreBatch(const Corners& low, const Corners& middle, const Corners& high,
+                           const Extent& extent, Batch& batch) {
+  const F f;
+  const I i;
+  hn::Store(low.x, f, batch.x_low);
+  hn::Store(low.y, f, batch.y_low);
+  hn::Store(middle.x, f, batch.x_middle);
+  hn::Store(middle.y, f, batch.y_middle);
+  const auto slope = [](const Corners& from, const Corners& to)
+                         HWY_ATTR { return hn::Div(hn::Sub(to.x, from.x), hn::Sub(to.y, from.y)); };
+  hn::Store(slope(low, high), f, batch.long_slope);
+  hn::Store(slope(low, middle), f, batch.lower_slope);
+  hn::Store(slope(middle, high), f, batch.upper_slope);
+  hn::Store(hn::ConvertTo(i, extent.row_begin), i, batch.row_begin);
+  hn::Store(hn::ConvertTo(i, extent.row_end), i, batch.row_end);
+  hn::Store(hn::ConvertTo(i, extent.column_begin), i, batch.column_begin);
+  hn::Store(hn::ConvertTo(i, extent.column_end), i, batch.column_end);
+}
+
+// Lanes to draw and lanes to leave to double precision, as bits.
+struct Selection {
+  uint32_t draw, defer;
+};
+
+// Leaves out what faces away or misses every texel centre, tells what needs more precision, and
+// stores the rest.
+HWY_INLINE Selection SelectAndStore(const ProjectedVertices& vertices,
+                                    const TriangleList& triangles, uint32_t t,
+                                    const TexelWindow& window, bool near_light, Batch& batch) {
+  const F f;
+  const auto constant = [&](float value) HWY_ATTR { return hn::Set(f, value); };
+  const auto width = static_cast<float>(window.width);
+  const auto first_row = static_cast<float>(window.row_begin);
+  const auto last_row = static_cast<float>(window.row_end);
+  TriangleLanes lanes = LoadTriangles(vertices, triangles, t);
+  auto keep = hn::RebindMask(f, lanes.in_list);
+  auto too_near = hn::Lt(hn::Zero(f), hn::Zero(f));
+  if (near_light) {
+    too_near = hn::And(keep, TooNearLight(vertices, lanes));
+  } else if (triangles.facing != nullptr) {
+    keep = hn::And(keep, FacesLight(lanes, triangles.facing + t));
+  }
+  Corners &low = lanes.a, &middle = lanes.b, &high = lanes.c;
+  const VF left = hn::Min(hn::Min(low.x, middle.x), high.x);
+  const VF right = hn::Max(hn::Max(low.x, middle.x), high.x);
+  SortByRow(low, middle);
+  SortByRow(middle, high);
+  SortByRow(low, middle);
+  const Extent extent{
+      hn::Max(hn::Ceil(low.y), constant(first_row)), hn::Min(hn::Ceil(high.y), constant(last_row)),
+      hn::Max(hn::Ceil(left), hn::Zero(f)), hn::Min(hn::Ceil(right), constant(width))};
+  keep = hn::And(keep, hn::And(hn::Lt(extent.row_begin, extent.row_end),
+                               hn::Lt(extent.column_begin, extent.column_end)));
+  const auto in_guard_band = hn::And(
+      hn::And(hn::Ge(left, constant(-kGuardBand)), hn::Le(right, constant(width + kGuardBand))),
+      hn::And(hn::Ge(low.y, constant(first_row - kGuardBand)),
+              hn::Le(high.y, constant(last_row + kGuardBand))));
+  const auto defer = hn::Or(too_near, hn::AndNot(in_guard_band, keep));
+  const Selection selection{Bits(hn::AndNot(defer, keep)), Bits(defer)};
+  if (selection.draw != 0) StoreBatch(low, middle, high, extent, batch);
+  return selection;
+}
+
 void DrawTriangles(const ProjectedVertices& vertices, const TriangleList& triangles,
                    const TexelWindow& window, bool near_light, ShadowBitmap& bitmap,
                    std::vector<uint32_t>& deferred) {
-  const F f;
-  const I i;
-  const VF zero = hn::Zero(f);
-  const VF width = hn::Set(f, static_cast<float>(window.width));
-  const VF first_row = hn::Set(f, static_cast<float>(window.row_begin));
-  const VF last_row = hn::Set(f, static_cast<float>(window.row_end));
-  const VF guard_low = hn::Set(f, -kGuardBand);
-  const VF guard_right = hn::Add(width, hn::Set(f, kGuardBand));
-  const VF guard_top = hn::Set(f, static_cast<float>(window.row_end) + kGuardBand);
-  const VF guard_bottom = hn::Set(f, static_cast<float>(window.row_begin) - kGuardBand);
-  Batch batch;
-  for (uint32_t t = 0; t < triangles.count; t += hn::Lanes(f)) {
-    const VI lane = hn::Iota(i, static_cast<int32_t>(t));
-    const auto in_list = hn::Lt(lane, hn::Set(i, static_cast<int32_t>(triangles.count)));
-    const VI first = hn::Set(i, static_cast<int32_t>(triangles.first_vertex));
-    const auto corner = [&](const uint32_t* corners) {
-      const VI index = hn::LoadU(i, reinterpret_cast<const int32_t*>(corners + t));
-      return hn::IfThenElseZero(in_list, hn::Sub(index, first));
-    };
-    const VI index0 = corner(triangles.corner0);
-    const VI index1 = corner(triangles.corner1);
-    const VI index2 = corner(triangles.corner2);
-    Corners a{GatherAt(vertices.x, index0), GatherAt(vertices.y, index0)};
-    Corners b{GatherAt(vertices.x, index1), GatherAt(vertices.y, index1)};
-    Corners c{GatherAt(vertices.x, index2), GatherAt(vertices.y, index2)};
-
-    // Step 1: leave out what faces away, misses every texel centre or needs more precision.
-    auto keep = hn::RebindMask(f, in_list);
-    auto too_near = hn::Lt(zero, zero);
-    if (near_light) {
-      const VF w = hn::Min(hn::Min(GatherAt(vertices.w, index0), GatherAt(vertices.w, index1)),
-                           GatherAt(vertices.w, index2));
-      too_near = hn::And(keep, hn::Not(hn::Ge(w, hn::Set(f, kNearLightW))));
-    } else if (triangles.facing != nullptr) {
-      const VF area = hn::MulSub(hn::Sub(b.x, a.x), hn::Sub(c.y, a.y),
-                                 hn::Mul(hn::Sub(c.x, a.x), hn::Sub(b.y, a.y)));
-      keep = hn::And(keep, hn::Ge(hn::Mul(area, hn::LoadU(f, triangles.facing + t)), zero));
+  Batch batch = {};
+  for (uint32_t t = 0; t < triangles.count; t += hn::Lanes(F())) {
+    auto [draw, defer] = SelectAndStore(vertices, triangles, t, window, near_light, batch);
+    for (; defer != 0; defer &= defer - 1) {
+      deferred.push_back(t + static_cast<uint32_t>(__builtin_ctz(defer)));
     }
-    const VF left = hn::Min(hn::Min(a.x, b.x), c.x), right = hn::Max(hn::Max(a.x, b.x), c.x);
-    SortByRow(a, b);
-    SortByRow(b, c);
-    SortByRow(a, b);
-    const VF row_begin = hn::Max(hn::Ceil(a.y), first_row);
-    const VF row_end = hn::Min(hn::Ceil(c.y), last_row);
-    const VF column_begin = hn::Max(hn::Ceil(left), zero);
-    const VF column_end = hn::Min(hn::Ceil(right), width);
-    keep = hn::And(keep, hn::And(hn::Lt(row_begin, row_end), hn::Lt(column_begin, column_end)));
-    const auto in_guard_band = hn::And(hn::And(hn::Ge(left, guard_low), hn::Le(right, guard_right)),
-                                       hn::And(hn::Ge(a.y, guard_bottom), hn::Le(c.y, guard_top)));
-    const auto defer = hn::Or(too_near, hn::AndNot(in_guard_band, keep));
-    for (uint32_t bits = Bits(defer); bits != 0; bits &= bits - 1) {
-      deferred.push_back(t + static_cast<uint32_t>(__builtin_ctz(bits)));
-    }
-    uint32_t draw = Bits(hn::AndNot(defer, keep));
-    if (draw == 0) continue;
-
-    // Step 2: edge slopes. A level edge divides by 0, and no row asks for it.
-    hn::Store(a.x, f, batch.x_low);
-    hn::Store(a.y, f, batch.y_low);
-    hn::Store(b.x, f, batch.x_middle);
-    hn::Store(b.y, f, batch.y_middle);
-    hn::Store(hn::Div(hn::Sub(c.x, a.x), hn::Sub(c.y, a.y)), f, batch.long_slope);
-    hn::Store(hn::Div(hn::Sub(b.x, a.x), hn::Sub(b.y, a.y)), f, batch.lower_slope);
-    hn::Store(hn::Div(hn::Sub(c.x, b.x), hn::Sub(c.y, b.y)), f, batch.upper_slope);
-    hn::Store(hn::ConvertTo(i, row_begin), i, batch.row_begin);
-    hn::Store(hn::ConvertTo(i, row_end), i, batch.row_end);
-    hn::Store(hn::ConvertTo(i, column_begin), i, batch.column_begin);
-    hn::Store(hn::ConvertTo(i, column_end), i, batch.column_end);
-
-    // Step 3: draw.
     for (; draw != 0; draw &= draw - 1) {
       const auto k = static_cast<size_t>(__builtin_ctz(draw));
       DrawOne(batch, k, window.row_begin, bitmap.stride, bitmap.words.data());
@@ -204,57 +251,6 @@ void DrawTriangles(const ProjectedVertices& vertices, const TriangleList& triang
                    (static_cast<uint32_t>(batch.column_end[k]) + 31) / 32,
                    static_cast<uint32_t>(batch.row_begin[k]) - window.row_begin,
                    static_cast<uint32_t>(batch.row_end[k]) - window.row_begin);
-    }
-  }
-}
-
-void AddAndClear(ShadowBitmap& bitmap, std::span<std::vector<uint32_t>> planes) {
-  const U u;
-  const uint32_t rows = bitmap.stride - ShadowBitmap::kRowPadding;
-  for (uint32_t c = 0; c < bitmap.columns; ++c) {
-    uint32_t* words = bitmap.Column(c);
-    const size_t offset = size_t{c} * bitmap.stride;
-    for (uint32_t row = bitmap.touched_rows_begin[c]; row < bitmap.touched_rows_end[c];
-         row += hn::Lanes(u)) {
-      VU carry = hn::LoadU(u, words + row);
-      hn::StoreU(hn::Zero(u), u, words + row);
-      for (std::vector<uint32_t>& plane : planes) {
-        if (hn::AllTrue(u, hn::Eq(carry, hn::Zero(u)))) break;
-        uint32_t* sum = plane.data() + offset + row;
-        const VU old = hn::LoadU(u, sum);
-        hn::StoreU(hn::Xor(old, carry), u, sum);
-        carry = hn::And(old, carry);
-      }
-    }
-    bitmap.touched_rows_begin[c] = rows;
-    bitmap.touched_rows_end[c] = 0;
-  }
-}
-
-void AddRowCounts(std::span<const std::vector<uint32_t>> planes, uint32_t stride, uint32_t row,
-                  uint32_t width, uint16_t* counts) {
-  const U u;
-  const hn::Rebind<uint16_t, U> u16;
-  const VU one = hn::Set(u, 1);
-  for (uint32_t column = 0; 32 * column < width; ++column) {
-    const size_t word = size_t{column} * stride + row;
-    uint32_t any = 0;
-    for (const auto& plane : planes) any |= plane[word];
-    if (any == 0) continue;
-    HWY_ALIGN uint16_t texels[32];
-    for (uint32_t bit = 0; bit < 32; bit += hn::Lanes(u)) {
-      const VU shift = hn::Iota(u, bit);
-      VU sum = hn::Zero(u);
-      uint32_t weight = 0;
-      for (const auto& plane : planes) {
-        const VU bits = hn::And(hn::Shr(hn::Set(u, plane[word]), shift), one);
-        sum = hn::Or(sum, hn::ShiftLeftSame(bits, static_cast<int>(weight++)));
-      }
-      hn::StoreU(hn::DemoteTo(u16, hn::BitCast(I(), sum)), u16, texels + bit);
-    }
-    const uint32_t in_row = width - 32 * column < 32 ? width - 32 * column : 32;
-    for (uint32_t k = 0; k < in_row; ++k) {
-      counts[32 * column + k] = static_cast<uint16_t>(counts[32 * column + k] + texels[k]);
     }
   }
 }
@@ -270,8 +266,6 @@ namespace penumbra {
 
 HWY_EXPORT(ProjectVertices);
 HWY_EXPORT(DrawTriangles);
-HWY_EXPORT(AddAndClear);
-HWY_EXPORT(AddRowCounts);
 HWY_EXPORT(TargetName);
 
 void ProjectVertices(const float* x, const float* y, const float* z, size_t count,
@@ -284,15 +278,6 @@ void DrawTriangles(const ProjectedVertices& vertices, const TriangleList& triang
                    std::vector<uint32_t>& deferred) {
   HWY_DYNAMIC_DISPATCH(DrawTriangles)
   (vertices, triangles, window, near_light, bitmap, deferred);
-}
-
-void AddAndClear(ShadowBitmap& bitmap, std::span<std::vector<uint32_t>> planes) {
-  HWY_DYNAMIC_DISPATCH(AddAndClear)(bitmap, planes);
-}
-
-void AddRowCounts(std::span<const std::vector<uint32_t>> planes, uint32_t stride, uint32_t row,
-                  uint32_t width, uint16_t* counts) {
-  HWY_DYNAMIC_DISPATCH(AddRowCounts)(planes, stride, row, width, counts);
 }
 
 const char* KernelTargetName() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }

@@ -1,10 +1,9 @@
-// The inner loops of soft_texture, compiled for several instruction sets and chosen when first
+// Drawing hard shadows into bitmaps, compiled for several instruction sets and chosen when first
 // called.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "render/technique/soft_texture/shadow_bitmap.h"
@@ -73,16 +72,6 @@ struct TexelWindow {
 void DrawTriangles(const ProjectedVertices& vertices, const TriangleList& triangles,
                    const TexelWindow& window, bool near_light, ShadowBitmap& bitmap,
                    std::vector<uint32_t>& deferred);
-
-// Adds `bitmap` to the bit-sliced counters `planes` (plane p holds bit p of each texel's count, in
-// the bitmap's layout) and clears it.
-void AddAndClear(ShadowBitmap& bitmap, std::span<std::vector<uint32_t>> planes);
-
-// Adds the counters of one row to `counts`, one number a texel.
-//
-// Shapes  planes of the bitmap's layout → `width` counts
-void AddRowCounts(std::span<const std::vector<uint32_t>> planes, uint32_t stride, uint32_t row,
-                  uint32_t width, uint16_t* counts);
 
 // The instruction set in use, "AVX3" for instance.
 const char* KernelTargetName();

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "render/math/parallel_for.h"
+#include "render/technique/soft_texture/bit_counters.h"
 #include "render/technique/soft_texture/hard_shadow.h"
 
 namespace penumbra {
@@ -24,12 +25,6 @@ struct Worker {
   HardShadow shadow;
   ShadowBitmap bitmap;
   std::vector<std::vector<uint32_t>> planes;
-};
-
-// A sample's map, and the occluders on its side.
-struct Job {
-  ReceiverTransform map;
-  const OccluderSet* occluders;
 };
 
 void AddCounts(std::span<const std::unique_ptr<Worker>> workers, const TexelWindow& window,
@@ -66,8 +61,7 @@ const OccluderSet& OcclusionCounter::OccludersOn(int side) {
   return *set;
 }
 
-absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::task_arena& arena,
-                                   const std::stop_token& stop) {
+std::vector<OcclusionCounter::Job> OcclusionCounter::JobsFor(std::span<const LightSample> samples) {
   std::vector<Job> jobs;
   for (const LightSample& sample : samples) {
     const auto map = ReceiverTransform::Create(receiver_.patch, sample, surface_offset_);
@@ -75,37 +69,41 @@ absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::ta
     const OccluderSet& occluders = OccludersOn(map->sample_height() > 0 ? 1 : -1);
     if (!occluders.groups.empty()) jobs.push_back({*map, &occluders});
   }
-  if (jobs.empty()) {
-    return stop.stop_requested() ? absl::CancelledError("stop requested") : absl::OkStatus();
-  }
+  return jobs;
+}
 
+void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const TexelWindow& window,
+                               int worker_count, const std::stop_token& stop) {
+  const auto plane_count = static_cast<uint32_t>(std::bit_width(jobs.size()));
+  std::vector<std::unique_ptr<Worker>> workers(worker_count);
+  std::atomic<size_t> next{0};
+  ParallelFor(worker_count, [&](int w) {
+    for (size_t j = next++; j < jobs.size() && !stop.stop_requested(); j = next++) {
+      if (!workers[w]) {
+        workers[w] =
+            std::make_unique<Worker>(receiver_, window.row_end - window.row_begin, plane_count);
+      }
+      Worker& worker = *workers[w];
+      worker.shadow.Draw(*jobs[j].occluders, jobs[j].map, window, worker.bitmap);
+      AddAndClear(worker.bitmap, worker.planes);
+    }
+  });
+  if (stop.stop_requested()) return;
+  AddCounts(workers, window, counts_.data() + size_t{window.row_begin} * receiver_.width);
+}
+
+absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::task_arena& arena,
+                                   const std::stop_token& stop) {
+  const std::vector<Job> jobs = JobsFor(samples);
   const uint32_t columns = (receiver_.width + 31) / 32;
   const uint32_t band_rows = std::clamp(kBandWords / columns, 1u, receiver_.height);
-  const auto plane_count = static_cast<uint32_t>(std::bit_width(jobs.size()));
   const int worker_count = std::min(arena.max_concurrency(), static_cast<int>(jobs.size()));
-  for (uint32_t row = 0; row < receiver_.height; row += band_rows) {
+  for (uint32_t row = 0; row < receiver_.height && !jobs.empty(); row += band_rows) {
     const TexelWindow window{receiver_.width, row, std::min(row + band_rows, receiver_.height)};
-    std::vector<std::unique_ptr<Worker>> workers(worker_count);
-    std::atomic<size_t> next{0};
-    RunIn(arena, [&] {
-      ParallelFor(worker_count, [&](int w) {
-        for (size_t j = next++; j < jobs.size() && !stop.stop_requested(); j = next++) {
-          if (!workers[w]) {
-            workers[w] =
-                std::make_unique<Worker>(receiver_, window.row_end - window.row_begin, plane_count);
-          }
-          Worker& worker = *workers[w];
-          worker.shadow.Draw(*jobs[j].occluders, jobs[j].map, window, worker.bitmap);
-          AddAndClear(worker.bitmap, worker.planes);
-        }
-      });
-      if (!stop.stop_requested()) {
-        AddCounts(workers, window, counts_.data() + size_t{row} * receiver_.width);
-      }
-    });
-    if (stop.stop_requested()) return absl::CancelledError("stop requested");
+    RunIn(arena, [&] { AddBand(jobs, window, worker_count, stop); });
+    if (stop.stop_requested()) break;
   }
-  return absl::OkStatus();
+  return stop.stop_requested() ? absl::CancelledError("stop requested") : absl::OkStatus();
 }
 
 }  // namespace penumbra

@@ -16,7 +16,9 @@
 #include "render/scene/light_sample.h"
 #include "render/scene/receiver.h"
 #include "render/scene/scene.h"
+#include "render/technique/soft_texture/coverage_kernel.h"
 #include "render/technique/soft_texture/occluder_set.h"
+#include "render/technique/soft_texture/receiver_transform.h"
 #include "tbb/task_arena.h"
 
 namespace penumbra {
@@ -39,7 +41,17 @@ class OcclusionCounter {
   const std::vector<uint16_t>& counts() const { return counts_; }
 
  private:
+  // A sample's map, and the occluders on its side of the receiver.
+  struct Job {
+    ReceiverTransform map;
+    const OccluderSet* occluders;
+  };
+
   const OccluderSet& OccludersOn(int side);
+  std::vector<Job> JobsFor(std::span<const LightSample> samples);
+  // Adds all jobs to the counts of the window's rows; leaves them as they are once stopped.
+  void AddBand(const std::vector<Job>& jobs, const TexelWindow& window, int worker_count,
+               const std::stop_token& stop);
 
   const Scene& scene_;
   ReceiverPatch receiver_;

@@ -7,6 +7,7 @@
 
 #include "hwy/targets.h"
 #include "render/math/vec.h"
+#include "render/technique/soft_texture/bit_counters.h"
 
 namespace penumbra {
 namespace {
