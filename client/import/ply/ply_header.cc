@@ -131,9 +131,9 @@ absl::StatusOr<Header> ParseHeader(std::span<const std::byte> file) {
   Header header;
   bool has_format = false;
   // Old Macs ended lines with a carriage return alone.
-  const size_t first_end = text.find_first_of("\r\n");
-  const bool is_mac =
-      first_end + 1 < text.size() && text[first_end] == '\r' && text[first_end + 1] != '\n';
+  const size_t first_end = text.substr(0, 80).find_first_of("\r\n");
+  const bool is_mac = first_end != std::string_view::npos && text[first_end] == '\r' &&
+                      !text.substr(first_end + 1).starts_with('\n');
   const char line_end = is_mac ? '\r' : '\n';
   for (int line_number = 1; line_number <= kMaxLines; ++line_number) {
     const size_t end = text.find(line_end, header.bytes);
