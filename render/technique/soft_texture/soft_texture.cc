@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "render/math/parallel_for.h"
 #include "render/scene/field_error.h"
 #include "render/technique/soft_texture/occlusion_counter.h"
@@ -89,7 +90,7 @@ class Computation {
     header_.parameters = {{"samples", absl::StrCat(samples_.size())},
                           {"seed", absl::StrCat(ParamsOf(spec).seed)},
                           {"radiance", ParamsOf(spec).radiance ? "true" : "false"},
-                          {"surface_offset_m", absl::StrCat(surface_offset_)}};
+                          {"surface_offset_m", absl::StrFormat("%.17g", surface_offset_)}};
   }
 
   absl::StatusOr<Artifact> Run() {
