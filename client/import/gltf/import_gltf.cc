@@ -159,8 +159,9 @@ absl::Status SceneReader::AddInstance(Instance instance, const std::string& name
   if (material.emission != Vec3(0.0f)) {
     auto shape = EmitterShape(instance, material.emission, material.two_sided);
     if (shape && scene_.lights.size() < document_.limits().max_lights) {
-      // The light must not stand in its own way.
+      // The light must not stand in its own way, and outshines what falls on it.
       instance.casts = false;
+      instance.receives = false;
       AddLight(instance.id, *shape);
     } else {
       warnings_.Add(absl::StrCat(instance.id,

@@ -191,8 +191,9 @@ absl::Status SceneReader::AddInstance(MeshGeometry geometry, const Material& mat
   if (material.emission != Vec3(0.0f)) {
     const auto shape = EmitterShape(instance, material.emission, /*two_sided=*/false);
     if (shape && scene_.lights.size() < limits_.max_lights) {
-      // The light must not stand in its own way.
+      // The light must not stand in its own way, and outshines what falls on it.
       instance.casts = false;
+      instance.receives = false;
       scene_.lights.push_back({.id = light_ids_.Add(instance.id), .shape = *shape});
     } else {
       warnings_.Add(absl::StrCat(instance.id,

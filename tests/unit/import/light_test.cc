@@ -98,13 +98,14 @@ json Glow() {
       {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}})");
 }
 
-TEST(EmissiveSurfaces, AFlatOneIsALightAndCastsNoShadow) {
+TEST(EmissiveSurfaces, AFlatOneIsALightAndNeitherCastsNorReceives) {
   const ImportedScene scene = Panel(Glow(), json::parse(R"({"scale": [2, 3, 1]})"));
   const auto light = std::get<RectangleLight>(LightOf(scene, "panel").shape);
   ExpectNear(light.radiance, {8, 4, 2});
   EXPECT_FALSE(light.two_sided);
   ExpectNear(glm::cross(light.edge_u, light.edge_v), {0, 0, 6});
   EXPECT_FALSE(InstanceOf(scene, "panel").casts);
+  EXPECT_FALSE(InstanceOf(scene, "panel").receives);
 }
 
 TEST(EmissiveSurfaces, AMirrorDoesNotTurnThemOver) {
@@ -130,6 +131,7 @@ TEST(EmissiveSurfaces, OtherShapesAreNoLightAndSaySo) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_TRUE(scene->lights.empty());
   EXPECT_TRUE(scene->instances[0].casts);
+  EXPECT_TRUE(scene->instances[0].receives);
   EXPECT_THAT(scene->warnings, testing::Contains(HasSubstr("node0: glows")));
 }
 

@@ -40,7 +40,17 @@ TEST(Obj, GlowingQuadsAreLights) {
     EXPECT_EQ(light.radiance, Vec3(20, 10, 5));
     EXPECT_LT(glm::cross(light.edge_u, light.edge_v).y, -0.99f);
     EXPECT_FALSE(InstanceOf(*scene, "lamp").casts);
+    EXPECT_FALSE(InstanceOf(*scene, "lamp").receives);
   }
+}
+
+TEST(Obj, WhatGlowsButIsNoLightCastsAndReceives) {
+  const auto scene = WithMaterials(std::string(kSquare) + "o corner\nusemtl glow\nf 1 2 3\n",
+                                   "newmtl glow\nKe 1 1 1\n");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_TRUE(scene->lights.empty());
+  EXPECT_TRUE(InstanceOf(*scene, "corner").casts);
+  EXPECT_TRUE(InstanceOf(*scene, "corner").receives);
 }
 
 TEST(Obj, AnAmbientReflectanceDoesNotGlow) {
