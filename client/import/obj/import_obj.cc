@@ -11,6 +11,7 @@
 #include "absl/strings/str_split.h"
 #include "client/import/emitter.h"
 #include "client/import/id_table.h"
+#include "client/import/obj/obj_check.h"
 #include "client/import/obj/obj_materials.h"
 #include "client/import/source_file.h"
 #include "client/import/warnings.h"
@@ -26,33 +27,9 @@ struct Parsed {
   std::vector<tinyobj::material_t> materials;
 };
 
-// A polygon of more corners is no model's; cutting it up takes quadratic time.
-constexpr size_t kMaxCorners = 4096;
-
-// What tinyobjloader would take long over or ask much memory for.
-absl::Status CheckText(std::string_view text) {
-  size_t line_number = 0;
-  for (const absl::string_view line :
-       absl::StrSplit(absl::string_view(text.data(), text.size()), '\n')) {
-    ++line_number;
-    const size_t start = line.find_first_not_of(" \t");
-    if (start == absl::string_view::npos || line[start] != 'f' || line.size() < 2 * kMaxCorners) {
-      continue;
-    }
-    const std::vector<absl::string_view> words =
-        absl::StrSplit(line, absl::ByAnyChar(" \t\r"), absl::SkipEmpty());
-    if (words.size() > kMaxCorners) {
-      return FieldError(
-          absl::StatusCode::kResourceExhausted, "TOO_LARGE", absl::StrCat("line ", line_number),
-          absl::StrCat("found a face of ", words.size() - 1, " corners, need < ", kMaxCorners));
-    }
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<Parsed> Parse(std::string_view text, const std::filesystem::path& folder,
-                             Warnings& warnings) {
-  absl::Status status = CheckText(text);
+                             const SceneLimits& limits, Warnings& warnings) {
+  absl::Status status = CheckObj(text, limits);
   if (!status.ok()) return status;
   Parsed parsed;
   LibraryReader libraries(folder, warnings);
@@ -225,7 +202,8 @@ absl::StatusOr<ImportedScene> ImportObj(const std::filesystem::path& path,
   absl::StatusOr<std::vector<std::byte>> file = ReadFile(path);
   if (!file.ok()) return file.status();
   Warnings warnings;
-  absl::StatusOr<obj::Parsed> parsed = obj::Parse(AsText(*file), path.parent_path(), warnings);
+  absl::StatusOr<obj::Parsed> parsed =
+      obj::Parse(AsText(*file), path.parent_path(), limits, warnings);
   if (!parsed.ok()) return parsed.status();
   return obj::SceneReader(*parsed, limits, warnings).Read(path);
 }

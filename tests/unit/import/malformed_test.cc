@@ -60,6 +60,12 @@ TEST_F(MalformedTest, EveryFileIsReadOrRefusedByName) {
   EXPECT_GT(refused, 70u);
 }
 
+TEST_F(MalformedTest, ObjNumbersThatAreNotFiniteAreRefused) {
+  const auto scene = ImportScene(ScenesFolder() / "malformed/obj-ply/draco/inf_nan.obj");
+  EXPECT_EQ(scene.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(scene.status().message()), testing::HasSubstr("line 1: v: found"));
+}
+
 // What points to where nothing is must not pass, whether the scene uses it or not.
 TEST_F(MalformedTest, WhatPointsNowhereIsRefused) {
   const std::vector<std::string> fatal = {"BUFFER_VIEW_TOO_LONG",

@@ -77,12 +77,6 @@ TEST(Obj, LibrariesOutsideTheFolderAreNotOpened) {
   EXPECT_THAT(scene->warnings, testing::Contains(HasSubstr("mtllib: found \"../up.mtl\"")));
 }
 
-TEST(Obj, IndicesOutOfRangeAreRefused) {
-  const auto scene = ImportBytes("a.obj", std::string(kSquare) + "o bad\nf 1 2 9\n");
-  EXPECT_EQ(scene.status().code(), StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(scene.status().message()), HasSubstr("found vertex 9, need 1 to 4"));
-}
-
 TEST(Obj, FacesOfAbsurdlyManyCornersAreRefused) {
   std::string face = "f";
   for (int i = 0; i < 100'000; ++i) absl::StrAppend(&face, " ", 1 + i % 4);
