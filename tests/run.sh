@@ -1,21 +1,23 @@
 #!/bin/sh
-# Runs the whole suite: installs what is missing, builds with warnings as errors, runs every test.
+# Runs the suite: installs what is missing, builds with warnings as errors, runs every test.
 #
-#   tests/run.sh            # all of it: also under the address, undefined-behaviour and thread
-#                           # sanitizers (unit, conformance and integration tests)
-#   tests/run.sh --quick    # under five minutes: without the sanitizers and the tests marked long
+#   tests/run.sh               # every test
+#   tests/run.sh --quick       # under five minutes: without the tests marked long
+#   tests/run.sh --sanitizers  # every test, and the tests of each program once more under the address,
+#                              # undefined-behaviour and thread sanitizers
 #
 # Ends with ctest's own summary; the status is ctest's.
 set -eu
 
 cd "$(dirname "$0")/.."
 
-quick=no
+mode=all
 case "${1-}" in
   '') ;;
-  --quick) quick=yes ;;
-  -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  *) echo "run.sh: found '$1', need --quick or nothing" >&2; exit 2 ;;
+  --quick) mode=quick ;;
+  --sanitizers) mode=sanitizers ;;
+  -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  *) echo "run.sh: found '$1', need --quick, --sanitizers or nothing" >&2; exit 2 ;;
 esac
 
 deploy/install_packages.sh build run test
@@ -25,10 +27,14 @@ step() { printf '\n== %s\n' "$*"; }
 step "building (preset ci)"
 deploy/build.sh ci
 
-if [ "$quick" = yes ]; then
-  step "running the tests that are not long"
-  exec ctest --test-dir build/ci -LE 'long' --no-tests=error --output-on-failure -j "$(nproc)"
-fi
+case "$mode" in
+  quick)
+    step "running the tests that are not long"
+    exec ctest --test-dir build/ci -LE 'long' --no-tests=error --output-on-failure -j "$(nproc)" ;;
+  all)
+    step "running all tests"
+    exec ctest --test-dir build/ci --no-tests=error --output-on-failure -j "$(nproc)" ;;
+esac
 
 for preset in asan tsan; do
   step "building (preset $preset)"
@@ -42,5 +48,5 @@ for preset in ci asan tsan; do
   echo "subdirs(\"$PWD/build/$preset\")"
 done > build/all/CTestTestfile.cmake
 
-step "running all tests"
+step "running all tests, the sanitizers with them"
 exec ctest --test-dir build/all --no-tests=error --output-on-failure -j "$(nproc)"

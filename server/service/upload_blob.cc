@@ -32,7 +32,7 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     v1::UploadBlobRequest request;
     absl::Status status = ParseBounded(bytes_, parts_.sessions.limits, request);
     if (status.ok()) status = Take(request);
-    if (!status.ok()) return Finish(ToGrpcStatus(status));
+    if (!status.ok()) return Refuse(status);
     if (!upload_ || !upload_->is_complete()) return StartRead(&bytes_);
     if (size_ > kLongBlobBytes) {
       parts_.blob_workers.Post([this] { FinishBlob(); });
@@ -71,17 +71,23 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   void FinishBlob() {
     const auto content = upload_->Finish();
     upload_.reset();
-    if (!content.ok()) return Finish(ToGrpcStatus(content.status()));
+    if (!content.ok()) return Refuse(content.status());
     v1::StoredBlob& stored = *response_.add_blobs();
     stored.set_hash(ToProto(hash_));
     stored.set_degenerate_triangle_count(DegenerateTriangleCount(*content));
     StartRead(&bytes_);
   }
 
+  // Gives the reservation back before the client can hear of the refusal.
+  void Refuse(const absl::Status& status) {
+    upload_.reset();
+    Finish(ToGrpcStatus(status));
+  }
+
   void FinishCall() {
     if (upload_) {
-      return Finish(ToGrpcStatus(FieldError(absl::StatusCode::kInvalidArgument, "LENGTH", "data",
-                                            "found the end of the call, need the blob's rest")));
+      return Refuse(FieldError(absl::StatusCode::kInvalidArgument, "LENGTH", "data",
+                               "found the end of the call, need the blob's rest"));
     }
     *response_bytes_ = ToBytes(response_);
     Finish(grpc::Status::OK);

@@ -1,5 +1,7 @@
 #include "server/session/artifact_stream.h"
 
+#include <utility>
+
 namespace penumbra {
 
 absl::Status ArtifactStream::Start(Engine& engine, const std::string& scene_id,
@@ -35,12 +37,34 @@ void ArtifactStream::RemoveListener(const StreamListener* listener) {
 }
 
 void ArtifactStream::OnUpdate(const ArtifactUpdate& update) {
+  const bool is_coarse = update.artifact && !update.artifact->header.is_final;
+  std::lock_guard lock(publishing_);
+  if (!is_coarse || !Latest().artifact) {
+    held_back_.reset();
+    Publish(update);
+    return;
+  }
+  // A later coarse one takes the place of an earlier, but does not wait for longer.
+  const bool is_waiting = held_back_.has_value();
+  held_back_ = update;
+  if (is_waiting) return;
+  services_.hold_back.Post([weak = weak_from_this()] {
+    if (const auto stream = weak.lock()) stream->PublishHeldBack();
+  });
+}
+
+void ArtifactStream::PublishHeldBack() {
+  std::lock_guard lock(publishing_);
+  if (const auto update = std::exchange(held_back_, std::nullopt)) Publish(*update);
+}
+
+void ArtifactStream::Publish(const ArtifactUpdate& update) {
   const StreamState before = Latest();
   auto artifact = before.artifact;
   if (update.artifact && (!artifact || artifact->artifact != update.artifact)) {
     const uint64_t sequence = artifact ? artifact->sequence + 1 : 1;
-    artifact = encoder_.Encode(artifact.get(), update.artifact, sequence);
-    ++counters_.artifacts_encoded;
+    artifact = services_.encoder.Encode(artifact.get(), update.artifact, sequence);
+    ++services_.counters.artifacts_encoded;
   }
   std::vector<std::shared_ptr<StreamListener>> listeners;
   {
@@ -63,7 +87,7 @@ absl::StatusOr<std::shared_ptr<ArtifactStream>> StreamTable::Follow(const std::s
   std::erase_if(streams_, [](const auto& entry) { return entry.second.expired(); });
   auto& slot = streams_[{incarnation, SpecKey(spec)}];
   if (auto stream = slot.lock()) return stream;
-  auto stream = std::make_shared<ArtifactStream>(encoder_, counters_);
+  auto stream = std::make_shared<ArtifactStream>(services_);
   if (auto status = stream->Start(engine_, scene_id, spec); !status.ok()) return status;
   slot = stream;
   return stream;

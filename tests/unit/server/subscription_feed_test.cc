@@ -62,6 +62,7 @@ std::shared_ptr<const Artifact> MakeArtifact(Revision revision, bool radiance = 
   }
   auto artifact = std::make_shared<Artifact>();
   artifact->header.revision = revision;
+  artifact->header.is_final = true;
   artifact->header.light_samples.resize(16);
   artifact->payload = std::move(texture);
   return artifact;
