@@ -22,6 +22,22 @@ void Move(DistantLight& light, Vec3 by) {
   light.to_light = glm::normalize(light.to_light) + kTurn * glm::normalize(by);
 }
 
+struct Emission {
+  Vec3 operator()(const RectangleLight& light) const { return light.radiance; }
+  Vec3 operator()(const DiskLight& light) const { return light.radiance; }
+  Vec3 operator()(const SphereLight& light) const { return light.radiance; }
+  Vec3 operator()(const PointLight& light) const { return light.intensity; }
+  Vec3 operator()(const SpotLight& light) const { return light.intensity; }
+  Vec3 operator()(const DistantLight& light) const { return light.irradiance; }
+};
+
+// Roughly how much light it sends out; enough to tell a softbox from a candle.
+float Brightness(const AreaLight& light) {
+  const Vec3 emission = std::visit(Emission{}, light.shape);
+  const float area = LightArea(light);
+  return (emission.x + emission.y + emission.z) * (area > 0 ? area : 1.0f);
+}
+
 }  // namespace
 
 absl::StatusOr<SceneDelta> MoveAnObject(const Scene& scene) {
@@ -54,11 +70,21 @@ absl::StatusOr<SceneDelta> MoveTheLamp(const Scene& scene) {
   if (scene.lights().empty()) {
     return absl::FailedPreconditionError("scene: found no light, need one to move");
   }
-  AreaLight light = *scene.lights().begin()->second;
+  const auto brighter = [](const auto& a, const auto& b) {
+    return Brightness(*a.second) < Brightness(*b.second);
+  };
+  const auto& lights = scene.lights();
+  AreaLight light = *std::max_element(lights.begin(), lights.end(), brighter)->second;
   const Vec3 extent = scene.Bounds().extent();
   const float distance = std::max({extent.x, extent.z, 1e-3f}) / 5.0f;
-  std::visit([&](auto& shape) { Move(shape, Vec3(distance, 0, -distance)); }, light.shape);
+  const Vec3 by(distance, 0, -distance);
+  std::visit([&](auto& shape) { Move(shape, by); }, light.shape);
   SceneDelta delta;
+  // An importer calls a light as the glowing instance that it stands for.
+  if (const auto glowing = scene.FindInstance(light.id)) {
+    delta.upsert_instances = {*glowing};
+    delta.upsert_instances[0].world_from_mesh[3] += by;
+  }
   delta.upsert_lights.push_back(std::move(light));
   return delta;
 }

@@ -15,7 +15,8 @@ namespace penumbra {
 // Errors  kFailedPrecondition: nothing casts
 absl::StatusOr<SceneDelta> MoveAnObject(const Scene& scene);
 
-// Moves the first light sideways by a fifth of the scene's width; the sun moves in the sky.
+// Moves the brightest light sideways by a fifth of the scene's width, and with it the glowing
+// instance of the same id, if there is one; the sun moves in the sky.
 //
 // Errors  kFailedPrecondition: no light
 absl::StatusOr<SceneDelta> MoveTheLamp(const Scene& scene);

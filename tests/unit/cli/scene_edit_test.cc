@@ -30,6 +30,24 @@ TEST(MoveAnObjectTest, AnEmptySceneHasNone) {
             absl::StatusCode::kFailedPrecondition);
 }
 
+TEST(MoveTheLampTest, TheBrightestMovesWithWhatGlows) {
+  SceneDelta delta;
+  delta.upsert_lights = {{.id = "candle", .shape = SphereLight{.radius = 0.01f}},
+                         {.id = "softbox", .shape = RectangleLight{.radiance = Vec3(5.0f)}}};
+  delta.upsert_instances = {
+      {.id = "softbox", .mesh = testing::MeshOf(testing::UnitSquareGeometry()), .casts = false},
+      {.id = "table", .mesh = testing::MeshOf(testing::UnitBoxGeometry())}};
+  const auto scene = Scene::Empty("s")->Apply(delta).value();
+  const auto moved = MoveTheLamp(*scene);
+  ASSERT_TRUE(moved.ok());
+  ASSERT_EQ(moved->upsert_lights.size(), 1u);
+  EXPECT_EQ(moved->upsert_lights[0].id, "softbox");
+  ASSERT_EQ(moved->upsert_instances.size(), 1u);
+  const Vec3 by = std::get<RectangleLight>(moved->upsert_lights[0].shape).corner;
+  EXPECT_GT(glm::length(by), 0.0f);
+  EXPECT_EQ(moved->upsert_instances[0].world_from_mesh[3], by);
+}
+
 TEST(MoveTheLampTest, EveryKindMovesAndNothingElseChanges) {
   for (const LightShape& shape :
        {LightShape(RectangleLight{}), LightShape(DiskLight{}), LightShape(SphereLight{}),
