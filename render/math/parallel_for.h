@@ -8,29 +8,11 @@
 // among themselves, so that races between them are still found (docs/adr/0007).
 #pragma once
 
+#include "render/math/hand_over.h"
 #include "tbb/parallel_for.h"
 #include "tbb/task_arena.h"
 
-#ifdef __SANITIZE_THREAD__
-#include <sanitizer/tsan_interface.h>
-#endif
-
 namespace penumbra {
-
-// A point in the program that some threads leave something at for others.
-class HandOver {
- public:
-#ifdef __SANITIZE_THREAD__
-  void Give() { __tsan_release(&place_); }
-  void Take() { __tsan_acquire(&place_); }
-
- private:
-  char place_ = 0;
-#else
-  void Give() {}
-  void Take() {}
-#endif
-};
 
 // Calls `body(range)` for parts of `range`, one of TBB's ranges, that together are all of it.
 template <typename Range, typename Body>

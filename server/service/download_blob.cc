@@ -6,6 +6,7 @@
 
 #include "proto/convert/geometry_convert.h"
 #include "proto/convert/status_convert.h"
+#include "render/math/hand_over.h"
 #include "render/scene/field_error.h"
 #include "server/service/penumbra_service.h"
 #include "server/session/bounded_parse.h"
@@ -42,24 +43,33 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   }
 
   void OnWriteDone(bool ok) override {
+    callbacks_.Take();
     if (!ok) return Finish(grpc::Status::CANCELLED);
     SendNext();
   }
 
-  void OnDone() override { delete this; }
+  void OnDone() override {
+    callbacks_.Take();
+    delete this;
+  }
 
  private:
   void SendNext() {
-    if (sent_ == bytes_.size()) return Finish(grpc::Status::OK);
+    if (sent_ == bytes_.size()) {
+      callbacks_.Give();
+      return Finish(grpc::Status::OK);
+    }
     const size_t size = std::min(chunk_bytes_, bytes_.size() - sent_);
     v1::DownloadBlobResponse response;
     if (sent_ == 0) response.set_size_bytes(bytes_.size());
     response.set_data(bytes_.data() + sent_, size);
     sent_ += size;
     message_ = ToBytes(response);
+    callbacks_.Give();
     StartWrite(&message_);
   }
 
+  HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   const ServiceParts& parts_;
   const size_t chunk_bytes_;
   std::vector<std::byte> bytes_;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "proto/convert/status_convert.h"
+#include "render/math/hand_over.h"
 #include "server/service/penumbra_service.h"
 
 namespace penumbra {
@@ -31,6 +32,7 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   }
 
   void OnReadDone(bool ok) override {
+    callbacks_.Take();
     if (!ok) return session_->End(absl::OkStatus());
     session_->OnRequest(request_);
     std::lock_guard lock(gate_->mutex);
@@ -39,15 +41,21 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   }
 
   void OnWriteDone(bool ok) override {
+    callbacks_.Take();
     if (!ok) session_->End(absl::CancelledError("the connection is gone"));
     std::lock_guard lock(gate_->mutex);
     is_writing_ = false;
     Pump();
   }
 
-  void OnCancel() override { session_->End(absl::CancelledError("the call was cancelled")); }
+  void OnCancel() override {
+    callbacks_.Take();
+    session_->End(absl::CancelledError("the call was cancelled"));
+    callbacks_.Give();
+  }
 
   void OnDone() override {
+    callbacks_.Take();
     {
       std::lock_guard lock(gate_->mutex);
       gate_->reactor = nullptr;
@@ -62,8 +70,10 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
     if (!is_writing_ && !is_finished_) WriteNext();
     if (is_read_due_ && !is_finished_ && session_->has_room()) {
       is_read_due_ = false;
+      callbacks_.Give();
       StartRead(&request_);
     }
+    callbacks_.Give();
   }
 
   void WriteNext() {
@@ -71,13 +81,16 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
     if (output.message) {
       is_writing_ = true;
       response_ = *std::move(output.message);
+      callbacks_.Give();
       StartWrite(&response_);
     } else if (output.end) {
       is_finished_ = true;
+      callbacks_.Give();
       Finish(ToGrpcStatus(*output.end));
     }
   }
 
+  HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   const std::shared_ptr<Gate> gate_;
   std::shared_ptr<Session> session_;
   grpc::ByteBuffer request_;

@@ -4,6 +4,7 @@
 
 #include "proto/convert/geometry_convert.h"
 #include "proto/convert/status_convert.h"
+#include "render/math/hand_over.h"
 #include "render/scene/field_error.h"
 #include "server/service/idle_timer.h"
 #include "server/service/penumbra_service.h"
@@ -23,17 +24,18 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
       : parts_(parts),
         response_bytes_(response),
         timer_(IdleTimer::Start(context, parts.sessions.limits.upload_idle_timeout)) {
-    StartRead(&bytes_);
+    ReadNext();
   }
 
   void OnReadDone(bool ok) override {
+    callbacks_.Take();
     timer_->Touch();
     if (!ok) return FinishCall();
     v1::UploadBlobRequest request;
     absl::Status status = ParseBounded(bytes_, parts_.sessions.limits, request);
     if (status.ok()) status = Take(request);
     if (!status.ok()) return Refuse(status);
-    if (!upload_ || !upload_->is_complete()) return StartRead(&bytes_);
+    if (!upload_ || !upload_->is_complete()) return ReadNext();
     if (size_ > kLongBlobBytes) {
       parts_.blob_workers.Post([this] { FinishBlob(); });
     } else {
@@ -42,11 +44,17 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   }
 
   void OnDone() override {
+    callbacks_.Take();
     timer_->Stop();
     delete this;
   }
 
  private:
+  void ReadNext() {
+    callbacks_.Give();
+    StartRead(&bytes_);
+  }
+
   absl::Status Take(const v1::UploadBlobRequest& request) {
     if (request.has_header()) {
       if (upload_) {
@@ -75,12 +83,13 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     v1::StoredBlob& stored = *response_.add_blobs();
     stored.set_hash(ToProto(hash_));
     stored.set_degenerate_triangle_count(DegenerateTriangleCount(*content));
-    StartRead(&bytes_);
+    ReadNext();
   }
 
   // Gives the reservation back before the client can hear of the refusal.
   void Refuse(const absl::Status& status) {
     upload_.reset();
+    callbacks_.Give();
     Finish(ToGrpcStatus(status));
   }
 
@@ -90,9 +99,11 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
                                "found the end of the call, need the blob's rest"));
     }
     *response_bytes_ = ToBytes(response_);
+    callbacks_.Give();
     Finish(grpc::Status::OK);
   }
 
+  HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   const ServiceParts& parts_;
   grpc::ByteBuffer* const response_bytes_;
   const std::shared_ptr<IdleTimer> timer_;
