@@ -6,8 +6,8 @@
 
 #include "penumbra/v1/artifact.pb.h"
 #include "proto/convert/artifact_convert.h"
+#include "render/math/parallel_for.h"
 #include "tbb/blocked_range.h"
-#include "tbb/parallel_for.h"
 
 namespace penumbra {
 namespace {
@@ -46,10 +46,10 @@ void ArtifactEncoder::EncodeTiles(const SoftShadowTexture& texture, const Encode
     *field.add_tiles() = tile_encoders_.local().Encode(texture, column, row);
     encoded.tiles[i] = {encoded.sequence, Bytes(field)};
   };
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, encoded.tiles.size(), kTilesPerTask),
-                    [&](const tbb::blocked_range<size_t>& range) {
-                      for (size_t i = range.begin(); i < range.end(); ++i) encode_tile(i);
-                    });
+  ParallelForRange(tbb::blocked_range<size_t>(0, encoded.tiles.size(), kTilesPerTask),
+                   [&](const tbb::blocked_range<size_t>& range) {
+                     for (size_t i = range.begin(); i < range.end(); ++i) encode_tile(i);
+                   });
 }
 
 std::shared_ptr<const EncodedArtifact> ArtifactEncoder::Encode(
