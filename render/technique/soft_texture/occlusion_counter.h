@@ -1,7 +1,7 @@
 // Counts, for each texel of a receiver, the light samples that occluders hide from it.
 //
 //   OcclusionCounter counter(scene, receiver, surface_offset);
-//   RETURN on !counter.Add(samples, arena, stop).ok();
+//   if (auto status = counter.Add(samples, arena, stop); !status.ok()) return status;
 //   counter.counts()
 #pragma once
 
