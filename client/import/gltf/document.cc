@@ -95,11 +95,19 @@ absl::Status Document::Parse(std::string_view json_text) {
 }
 
 absl::Status Document::CheckBuffers() {
+  uint64_t read = 0;
   for (size_t i = 0; i < buffers_.size(); ++i) {
     const bool has_content = buffers_[i].uri || (i == 0 && bin_);
     if (!has_content || buffers_[i].fallback) continue;
     absl::Status status = BufferBytes(static_cast<int>(i)).status();
     if (!status.ok()) return status;
+    // Many buffers may name one file.
+    read += buffers_[i].file.size();
+    if (read > kMaxSourceFileBytes) {
+      return FieldError(absl::StatusCode::kResourceExhausted, "TOO_LARGE", "buffers",
+                        absl::StrCat("found more than ", kMaxSourceFileBytes,
+                                     " bytes in the first ", i + 1, ", need no more in all"));
+    }
   }
   for (int i = 0; i < view_count_; ++i) {
     const tinygltf::BufferView& view = model_.bufferViews[i];

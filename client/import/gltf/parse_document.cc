@@ -21,6 +21,8 @@ using nlohmann::json;
 constexpr size_t kMaxJsonBytes = size_t{512} << 20;
 // glTF itself nests about ten deep; extras are free to, but recursion has to end.
 constexpr size_t kMaxNesting = 64;
+// A parsed value takes some 50 times the two bytes that it may take in the text.
+constexpr size_t kMaxValues = 16'000'000;
 // A thousand objects for each instance that a scene may hold is no scene.
 constexpr size_t kMaxElements = 4'000'000;
 
@@ -63,9 +65,15 @@ absl::StatusOr<json> ParseJson(std::string_view text) {
     return FieldError(absl::StatusCode::kResourceExhausted, "TOO_LARGE", "json",
                       absl::StrCat("found ", text.size(), " bytes, need <= ", kMaxJsonBytes));
   }
-  if (const size_t depth = NestingDepth(text); depth > kMaxNesting) {
-    return Malformed("DEPTH", "json",
-                     absl::StrCat("found values nested ", depth, " deep, need <= ", kMaxNesting));
+  const JsonSize size = MeasureJson(text);
+  if (size.depth > kMaxNesting) {
+    return Malformed(
+        "DEPTH", "json",
+        absl::StrCat("found values nested ", size.depth, " deep, need <= ", kMaxNesting));
+  }
+  if (size.values > kMaxValues) {
+    return FieldError(absl::StatusCode::kResourceExhausted, "TOO_LARGE", "json",
+                      absl::StrCat("found ", size.values, " values, need <= ", kMaxValues));
   }
   try {
     return json::parse(text);

@@ -159,8 +159,9 @@ absl::Status CheckSchema(json& document, std::span<const Rule> rules) {
   return absl::OkStatus();
 }
 
-size_t NestingDepth(std::string_view json) {
-  size_t depth = 0, deepest = 0;
+JsonSize MeasureJson(std::string_view json) {
+  JsonSize size;
+  size_t depth = 0;
   bool in_string = false;
   for (size_t i = 0; i < json.size(); ++i) {
     const char c = json[i];
@@ -170,12 +171,15 @@ size_t NestingDepth(std::string_view json) {
     } else if (c == '"') {
       in_string = true;
     } else if (c == '{' || c == '[') {
-      deepest = std::max(deepest, ++depth);
+      size.depth = std::max(size.depth, ++depth);
+      ++size.values;
+    } else if (c == ',') {
+      ++size.values;
     } else if ((c == '}' || c == ']') && depth > 0) {
       --depth;
     }
   }
-  return deepest;
+  return size;
 }
 
 }  // namespace penumbra::gltf

@@ -39,7 +39,12 @@ struct Rule {
 // Errors  kInvalidArgument, reason SCHEMA; the path names the elements
 absl::Status CheckSchema(nlohmann::json& document, std::span<const Rule> rules);
 
-// The deepest nesting of brackets in JSON text, found without building anything.
-size_t NestingDepth(std::string_view json);
+struct JsonSize {
+  size_t depth = 0;   // the deepest nesting of brackets
+  size_t values = 0;  // about how many there are: brackets that open, and commas
+};
+
+// How large JSON text is, found without building anything.
+JsonSize MeasureJson(std::string_view json);
 
 }  // namespace penumbra::gltf

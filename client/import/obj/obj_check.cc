@@ -1,5 +1,6 @@
 #include "client/import/obj/obj_check.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -8,6 +9,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "client/import/source_file.h"
 #include "render/scene/field_error.h"
 
@@ -69,6 +71,7 @@ class Checker {
 
   absl::Status Statement(std::string_view rest);
   absl::Status Numbers(const Kind& kind, std::string_view rest) const;
+  absl::Status Tag(std::string_view rest) const;
   absl::Status Face(std::string_view rest) const;
   absl::Status Corner(std::string_view word) const;
   absl::Status Index(const Kind& kind, std::string_view index, std::string_view corner) const;
@@ -89,6 +92,7 @@ class Checker {
 absl::Status Checker::Statement(std::string_view rest) {
   const std::string_view keyword = TakeWord(rest);
   if (keyword == "f") return Face(rest);
+  if (keyword == "t") return Tag(rest);
   for (Kind& kind : kinds_) {
     if (keyword != kind.keyword) continue;
     ++kind.count;
@@ -119,6 +123,27 @@ absl::Status Checker::Numbers(const Kind& kind, std::string_view rest) const {
     }
   }
   return absl::OkStatus();
+}
+
+// "t crease 2/1/0 4 5 3.5": a name, how many integers, reals and strings follow, and they. The
+// shadows need none of it, but tinyobjloader makes room for as many as the line says.
+absl::Status Checker::Tag(std::string_view rest) const {
+  TakeWord(rest);
+  const std::string_view counts = TakeWord(rest);
+  int64_t promised = 0;
+  for (const absl::string_view count :
+       absl::StrSplit(absl::string_view(counts.data(), counts.size()), '/')) {
+    int64_t number = 0;
+    if (!count.empty() && !absl::SimpleAtoi(count, &number)) {
+      return Refused("MALFORMED", "t", Quoted(counts), "numbers of integers, reals and strings");
+    }
+    promised += std::clamp(number, int64_t{0}, int64_t{1} << 32);
+  }
+  int64_t follow = 0;
+  while (!TakeWord(rest).empty()) ++follow;
+  if (promised <= follow) return absl::OkStatus();
+  return Refused("MALFORMED", "t", absl::StrCat(follow, " values after ", Quoted(counts)),
+                 absl::StrCat(promised));
 }
 
 absl::Status Checker::Face(std::string_view rest) const {

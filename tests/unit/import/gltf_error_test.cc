@@ -91,6 +91,12 @@ TEST(GltfErrorsOfText, DeepNestingIsRefusedWithoutRecursion) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("nested"));
 }
 
+TEST(GltfErrorsOfText, MoreValuesThanAnySceneHasAreRefusedBeforeTheyAreBuilt) {
+  const absl::Status status = ImportStatus("{\"extras\": [" + std::string(17'000'000, ',') + "]}");
+  EXPECT_EQ(status.code(), StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("json: found 17000002 values"));
+}
+
 TEST(GltfErrorsOfText, ALongChainOfNodesIsRefused) {
   GltfFile file;
   for (int i = 0; i < 100'000; ++i) file.document["nodes"].push_back({{"children", {i + 1}}});

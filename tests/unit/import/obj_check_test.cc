@@ -72,6 +72,16 @@ TEST(ObjCheck, TooFewNumbersAreRefused) {
   ExpectRefused("vt\n", "MALFORMED", "line 1: vt: found 0 numbers, need one or two");
 }
 
+TEST(ObjCheck, ATagIsHeldToWhatItPromises) {
+  ExpectArea(
+      absl::StrCat(kSquare, "f 1 2 3 4\nt crease 2/1/0 1 2 4.7\nt interpolateboundary 1 1\n"), 2.0);
+  ExpectRefused("t crease 2/1/0 1 2\n", "MALFORMED",
+                "line 1: t: found 2 values after \"2/1/0\", need 3");
+  ExpectRefused("t x 8192/8192/8192\n", "MALFORMED", "need 24576");
+  ExpectRefused("t x 99999999999999/99999999999999/1 1\n", "MALFORMED", "line 1: t: found 1");
+  ExpectRefused("t x 1/a 1\n", "MALFORMED", "line 1: t: found \"1/a\"");
+}
+
 TEST(ObjCheck, NumbersOutOfBoundsAreRefused) {
   ExpectRefused("v 0 -1e30 0\n", "OUT_OF_BOUNDS", "line 1: v: found \"-1e30\", need at most 1e+09");
 }
