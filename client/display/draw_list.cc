@@ -8,6 +8,7 @@
 
 #include "client/display/surface_glsl.h"
 #include "client/display/unit_shapes.h"
+#include "render/math/basis.h"
 
 namespace penumbra {
 namespace {
@@ -24,10 +25,8 @@ Affine PatchAffine(Vec3 origin, Vec3 u, Vec3 v) {
 
 // Takes +z to `axis`, a mesh of radius 1 to `radius`.
 Affine RoundAffine(Vec3 center, Vec3 axis, float radius) {
-  const Vec3 n = Vec3(glm::normalize(DVec3(axis)));
-  const Vec3 helper = std::abs(n.x) < 0.5f ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-  const Vec3 s = glm::normalize(glm::cross(helper, n));
-  return Affine(radius * s, radius * glm::cross(n, s), radius * n, center);
+  const auto [s, t, n] = BasisAround(DVec3(axis));
+  return Affine(radius * Vec3(s), radius * Vec3(t), radius * Vec3(n), center);
 }
 
 DrawItem Glow(std::shared_ptr<const Mesh> mesh, const Affine& place, Vec3 radiance,

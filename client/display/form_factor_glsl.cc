@@ -121,10 +121,10 @@ float FormFactorOfWholeDisk(vec3 to_center, vec3 axis, float radius, vec3 n) {
   float rho = sqrt(rho2);
   float r2 = radius * radius;
   float sum = z2 + rho2 + r2;
-  float root = sqrt((z2 + (rho - radius) * (rho - radius)) * (z2 + (rho + radius) * (rho + radius)));
-  if (root == 0.0) return 0.0;  // on the rim
   // 1 - q / root, where root * root - q * q = 4 r2 z2: far away q comes close to root.
-  float q = z2 + rho2 - r2;
+  float q = z2 + (rho - radius) * (rho + radius);
+  float root = length(vec2(q, 2.0 * abs(along) * radius));
+  if (root == 0.0) return 0.0;  // on the rim
   float axial = q > 0.0 ? 2.0 * r2 * z2 / (root * (root + q)) : 0.5 * (1.0 - q / root);
   float radial_over_rho = 2.0 * r2 * abs(along) / (root * (sum + root));
   vec3 towards_plane = along < 0.0 ? -axis : axis;

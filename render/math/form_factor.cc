@@ -5,15 +5,18 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/math/basis.h"
+
 namespace penumbra {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr size_t kMaxVertices = 128;
 
-// A polygon with room for the one vertex that a cut adds.
+// A polygon with room for what a cut adds: one vertex, or, where all of it lies in the horizon to
+// within rounding, up to one a side.
 struct Fan {
-  std::array<DVec3, kMaxVertices + 1> vertices;
+  std::array<DVec3, 2 * kMaxVertices> vertices;
   size_t size = 0;
 
   void Add(DVec3 v) { vertices[size++] = v; }
@@ -47,15 +50,15 @@ double WholeDiskFormFactor(DVec3 center, DVec3 axis, double radius, DVec3 point,
   const double rho2 = glm::dot(across, across);
   const double r2 = radius * radius;
   const double sum = z2 + rho2 + r2;
-  const double root = std::sqrt(std::max(0.0, sum * sum - 4 * rho2 * r2));
-  if (root == 0) return 0;  // on the rim
-  // ½ (1 − difference / root), where root² = difference² + 4 z² r².
   const double difference = z2 + rho2 - r2;
+  const double root = std::hypot(difference, 2 * z * radius);
+  if (root == 0) return 0;  // on the rim
+  // ½ (1 − difference / root).
   const double axial =
       difference > 0 ? 2 * z2 * r2 / (root * (root + difference)) : 0.5 * (1 - difference / root);
   const DVec3 towards_plane = along < 0 ? -axis : axis;
-  // z / 2ρ² (sum / root − 1), where root² = sum² − 4 ρ² r². Neither form loses digits on a distant
-  // disc.
+  // z / 2ρ² (sum / root − 1), where root² = sum² − 4 ρ² r² too. Neither form loses digits on a
+  // distant disc.
   const double radial_over_rho = 2 * z * r2 / (root * (sum + root));
   return axial * glm::dot(normal, towards_plane) + radial_over_rho * glm::dot(normal, across);
 }
@@ -79,8 +82,8 @@ double PolygonFormFactor(std::span<const DVec3> vertices, DVec3 point, DVec3 nor
 }
 
 double DiskFormFactor(DVec3 center, DVec3 axis, double radius, DVec3 point, DVec3 normal) {
-  const double cos_tilt = glm::dot(normal, axis);
-  const double reach = radius * std::sqrt(std::max(0.0, 1 - cos_tilt * cos_tilt));
+  // |n × axis| is the sine of the tilt without the cancellation of 1 − cos².
+  const double reach = radius * glm::length(glm::cross(normal, axis));
   const double height = glm::dot(normal, center - point);
   if (height <= -reach) return 0;
   if (height >= reach) {
@@ -89,9 +92,7 @@ double DiskFormFactor(DVec3 center, DVec3 axis, double radius, DVec3 point, DVec
   constexpr int kSides = 96;
   const double step = 2 * kPi / kSides;
   const double same_area_radius = radius * std::sqrt(step / std::sin(step));
-  const DVec3 helper = std::abs(axis.x) < 0.5 ? DVec3(1, 0, 0) : DVec3(0, 1, 0);
-  const DVec3 s = glm::normalize(glm::cross(axis, helper));
-  const DVec3 t = glm::cross(axis, s);
+  const auto [s, t, n] = BasisAround(axis);
   std::array<DVec3, kSides> rim;
   for (int i = 0; i < kSides; ++i) {
     rim[i] = center + same_area_radius * (std::cos(i * step) * s + std::sin(i * step) * t);

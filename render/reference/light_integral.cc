@@ -131,7 +131,8 @@ double Integrate(const PointLight& light, const Surface& surface) {
 double Integrate(const SpotLight& light, const Surface& surface) {
   const DVec3 from_light = glm::normalize(surface.point - DVec3(light.position));
   const double cosine = glm::dot(from_light, glm::normalize(DVec3(light.direction)));
-  const double full = std::cos(light.inner_angle), none = std::cos(light.outer_angle);
+  const double full = std::cos(double{light.inner_angle}),
+               none = std::cos(double{light.outer_angle});
   if (cosine <= none) return 0;
   const double ramp = cosine >= full ? 1 : (cosine - none) / (full - none);
   return ramp * ramp * Integrate(PointLight{.position = light.position}, surface);

@@ -1,5 +1,8 @@
 #include "render/reference/occluder_triangles.h"
 
+#include <cmath>
+#include <cstdint>
+
 namespace penumbra {
 namespace {
 
@@ -30,8 +33,17 @@ std::vector<OccluderTriangle> OccluderTriangles(const Scene& scene) {
   return triangles;
 }
 
+// The texel that holds `uv`, the mask repeating: worked out here, in double precision, and not by
+// AlphaMask, which is among what this room checks.
 bool MaskBlocks(const Instance& instance, DVec2 uv) {
-  return instance.alpha_mask->At(Vec2(uv)) >= instance.alpha_cutoff;
+  const AlphaMask& mask = *instance.alpha_mask;
+  const auto texel = [](double t, uint32_t count) {
+    const double scaled = std::fmod(t, 1.0) * count;
+    const auto index = static_cast<int64_t>(std::floor(scaled));
+    return static_cast<size_t>((index + count) % count);
+  };
+  const size_t place = texel(uv.y, mask.height()) * mask.width() + texel(uv.x, mask.width());
+  return mask.alpha()[place] / 255.0 >= instance.alpha_cutoff;
 }
 
 }  // namespace penumbra

@@ -220,7 +220,9 @@ RayInterval BlockingInterval(const Parallelogram& patch, const LightSample& samp
       sample.at_infinity ? DVec3(sample.point) : DVec3(sample.point) - DVec3(patch.origin);
   const double height = std::abs(glm::dot(normal, towards));
   const double far = sample.at_infinity ? std::numeric_limits<double>::infinity() : 1 - kFarMargin;
-  return {.near = height > surface_offset ? surface_offset / height : far, .far = far};
+  // Of a direction `height` is the sine of its angle to the plane: 2 µm per metre is edge-on.
+  const bool is_edge_on = height <= (sample.at_infinity ? 2e-6 : surface_offset);
+  return {.near = is_edge_on ? far : surface_offset / height, .far = far};
 }
 
 }  // namespace penumbra

@@ -37,7 +37,7 @@ class RayVisibility {
   RayVisibility& operator=(const RayVisibility&) = delete;
 
   // How many of `samples` each texel centre sees. What is nearer than `surface_offset` metres to
-  // the receiver's plane blocks nothing; neither does what lies in the last part of a ray, 2^-20 of
+  // the receiver's plane blocks nothing; neither does what lies in the last part of a ray, 2^-16 of
   // its length, where a light's own surface is.
   //
   // Shapes  n samples, a receiver of H×W texels → H×W counts in [0, n]

@@ -13,6 +13,7 @@ namespace {
 // The texel of `count` that holds coordinate `t`, repeating.
 uint32_t RepeatedTexel(float t, uint32_t count) {
   const float wrapped = t - std::floor(t);
+  if (!(wrapped >= 0)) return 0;  // `t` is not finite
   const auto texel = static_cast<uint32_t>(wrapped * static_cast<float>(count));
   return texel < count ? texel : count - 1;
 }

@@ -111,4 +111,11 @@ MeshClosure Mesh::closure() const {
   return closure_;
 }
 
+const SilhouetteEdges& Mesh::silhouette_edges() const {
+  std::call_once(silhouette_once_, [this] {
+    silhouette_edges_ = std::make_unique<const SilhouetteEdges>(positions(), indices());
+  });
+  return *silhouette_edges_;
+}
+
 }  // namespace penumbra

@@ -17,6 +17,7 @@
 #include "render/scene/content_hash.h"
 #include "render/scene/mesh_closure.h"
 #include "render/scene/scene_limits.h"
+#include "render/scene/silhouette_edges.h"
 
 namespace penumbra {
 
@@ -53,6 +54,7 @@ class Mesh {
 
   // Found on first use, kept with the mesh; any thread may ask.
   MeshClosure closure() const;
+  const SilhouetteEdges& silhouette_edges() const;
 
  private:
   Mesh() = default;
@@ -63,6 +65,8 @@ class Mesh {
   size_t degenerate_triangle_count_ = 0;
   mutable std::once_flag closure_once_;
   mutable MeshClosure closure_ = MeshClosure::kOpen;
+  mutable std::once_flag silhouette_once_;
+  mutable std::unique_ptr<const SilhouetteEdges> silhouette_edges_;
 };
 
 }  // namespace penumbra

@@ -130,8 +130,9 @@ absl::StatusOr<Parallelogram> BoundingParallelogram(const Instance& instance) {
     }
     flat.push_back(frame.Flatten(p));
   }
-  const FlatBox box =
-      SmallestParallelogram(ConvexHull(std::move(flat), 0.01 * tolerance), tolerance);
+  const std::vector<DVec2> hull = ConvexHull(std::move(flat), 0.01 * tolerance);
+  if (hull.size() < 3) return NotPlanar(instance, "is too thin to have an area");
+  const FlatBox box = SmallestParallelogram(hull, tolerance);
   return Parallelogram{.origin = Vec3(frame.Lift(box.corner)),
                        .edge_u = Vec3(box.u.x * frame.s + box.u.y * frame.t),
                        .edge_v = Vec3(box.v.x * frame.s + box.v.y * frame.t)};

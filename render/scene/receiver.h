@@ -20,7 +20,7 @@ struct Parallelogram {
   friend bool operator==(const Parallelogram&, const Parallelogram&) = default;
 
   Vec3 At(Vec2 uv) const { return origin + uv.x * edge_u + uv.y * edge_v; }
-  Vec3 normal() const { return glm::normalize(glm::cross(edge_u, edge_v)); }
+  Vec3 normal() const { return Vec3(glm::normalize(glm::cross(DVec3(edge_u), DVec3(edge_v)))); }
 };
 
 // The smallest parallelogram around an instance all of whose vertices lie in one plane.
@@ -63,8 +63,8 @@ struct ReceiverPatch {
 
 // The smallest parallelogram that holds `instance`, its front on the side of the faces.
 //
-// Errors  kFailedPrecondition, reason NOT_PLANAR: a vertex is further from the mean plane than
-//         1e-4 of the extent, or the instance covers no area.
+// Errors  kFailedPrecondition, reason NOT_PLANAR: a vertex is further from the plane through its
+//         first corner than 1e-4 of the extent, or the instance covers no area.
 absl::StatusOr<Parallelogram> BoundingParallelogram(const Instance& instance);
 
 }  // namespace penumbra

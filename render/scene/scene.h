@@ -70,6 +70,8 @@ class Scene {
   const ContentHash& content_hash() const { return content_hash_; }
 
   const Table<Instance>& instances() const { return *instances_; }
+  // The same table; scenes between which no instance changed share it.
+  std::shared_ptr<const Table<Instance>> shared_instances() const { return instances_; }
   const Table<AreaLight>& lights() const { return *lights_; }
   const Table<Receiver>& receivers() const { return *receivers_; }
 

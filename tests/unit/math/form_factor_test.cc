@@ -8,6 +8,8 @@
 #include <numbers>
 #include <random>
 
+#include "render/math/basis.h"
+
 namespace penumbra {
 namespace {
 
@@ -132,6 +134,27 @@ TEST_F(FormFactorTest, OfADiskOverheadIsTheTextbookValue) {
   // F = r² / (h² + r²).
   EXPECT_NEAR(DiskFormFactor(DVec3(0, 0, 2), DVec3(0, 0, 1), 1, DVec3(0), DVec3(0, 0, 1)), 1 / 5.0,
               1e-14);
+}
+
+// The rim of a disc in the horizon goes up and down through it by rounding alone.
+TEST_F(FormFactorTest, OfADiskInTheHorizonIsNothing) {
+  for (int trial = 0; trial < 20000; ++trial) {
+    const DVec3 axis(glm::normalize(glm::vec3(RandomDirection())));
+    const DVec3 n(glm::vec3(axis * 1.0000001));
+    const DVec3 point = 5e6 * RandomVector();
+    const DVec3 center = point + 3.0 * BasisAround(axis).s + 1e-9 * RandomVector();
+    const double f = DiskFormFactor(center, axis, 1, point, n);
+    ASSERT_TRUE(f >= 0 && f < 1e-5) << f;
+  }
+}
+
+TEST_F(FormFactorTest, OfADiskAHairsBreadthBelowItsRimIsHalf) {
+  const DVec3 n(1, 0, 0), axis(0, 0, 1);
+  for (const double z : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    // Half of what the disc seen from its rim covers is on the side of n.
+    EXPECT_NEAR(DiskFormFactor(DVec3(1, 0, z), axis, 1, DVec3(0), DVec3(0, 0, 1)), 0.5, 2 * z) << z;
+    EXPECT_TRUE(std::isfinite(DiskFormFactor(DVec3(1, 0, z), axis, 1, DVec3(0), n)));
+  }
 }
 
 TEST_F(FormFactorTest, OfADistantDiskKeepsItsDigits) {

@@ -81,6 +81,19 @@ TEST(RayVisibilityTest, SamplesInThePlaneAndEmptyScenesAreVisible) {
   EXPECT_EQ(Counts(*Scene::Empty("s"), Floor(), kOverhead).At(7, 7), 1);
 }
 
+// Worked out by hand: a ray t · direction reaches the height h at t = h / sin(angle to the plane).
+TEST(RayVisibilityTest, RaysBlockFromTheSurfaceOffsetOn) {
+  const Parallelogram patch = Floor().patch;
+  const auto near = [&](Vec3 point, bool at_infinity, double offset) {
+    return BlockingInterval(patch, {.point = point, .at_infinity = at_infinity}, offset).near;
+  };
+  EXPECT_NEAR(near(Vec3(0, 1, 0), true, 0.25), 0.25, 1e-7);
+  EXPECT_NEAR(near(Vec3(0.8f, 0.6f, 0), true, 0.3), 0.5, 1e-6);
+  EXPECT_NEAR(near(Vec3(0, -0.6f, 0.8f), true, 0.3), 0.5, 1e-6);
+  EXPECT_NEAR(near(glm::normalize(Vec3(1, 1e-3f, 0)), true, 5.0), 5e3, 1.0);
+  EXPECT_NEAR(near(Vec3(7, 4, -9), false, 1.0), 0.25, 1e-7);
+}
+
 // Every ray of some small scenes, against one triangle at a time in double precision.
 TEST(RayVisibilityTest, AgreesWithDoublePrecision) {
   uint64_t rays = 0, doubtful = 0, blocked_rays = 0;

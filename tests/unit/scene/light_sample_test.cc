@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
+#include <random>
 
 namespace penumbra {
 namespace {
@@ -13,6 +16,24 @@ AreaLight UnitSquare() {
   return {
       .id = "square",
       .shape = RectangleLight{.corner = Vec3(0), .edge_u = Vec3(1, 0, 0), .edge_v = Vec3(0, 1, 0)}};
+}
+
+// Area of the part of the unit square with normal · p > offset, by cutting the square.
+double AreaInFront(DVec2 normal, double offset) {
+  const std::array<DVec2, 4> corners = {DVec2(0, 0), DVec2(1, 0), DVec2(1, 1), DVec2(0, 1)};
+  std::vector<DVec2> kept;
+  for (size_t i = 0; i < 4; ++i) {
+    const DVec2 a = corners[i], b = corners[(i + 1) % 4];
+    const double da = glm::dot(normal, a) - offset, db = glm::dot(normal, b) - offset;
+    if (da > 0) kept.push_back(a);
+    if ((da > 0) != (db > 0)) kept.push_back(a + da / (da - db) * (b - a));
+  }
+  double twice = 0;
+  for (size_t i = 0; i < kept.size(); ++i) {
+    const DVec2 a = kept[i], b = kept[(i + 1) % kept.size()];
+    twice += a.x * b.y - a.y * b.x;
+  }
+  return 0.5 * twice;
 }
 
 TEST(SampleLight, PutsOneSampleInEachCell) {
@@ -74,6 +95,65 @@ TEST(SampleLight, MovesWithTheLight) {
   const auto after = SampleLight(moved, 64, 1, Vec3(0));
   for (size_t i = 0; i < before.size(); ++i) {
     EXPECT_LT(glm::length(after[i].point - before[i].point - Vec3(3, 2, 1)), 1e-6f);
+  }
+}
+
+// Dragged all around and turned over, every light's samples follow it by small steps; only a lamp
+// that shines straight up, or lies straight below the patch, may turn its grid at once.
+TEST(SampleLight, DoesNotJumpWhileALightIsDragged) {
+  const auto at = [](int step) {
+    const double a = 2 * std::numbers::pi * step / 1000;
+    return Vec3(DVec3(3 * std::cos(a), 2 + 1.5 * std::sin(3 * a), 3 * std::sin(a)));
+  };
+  const std::array<std::function<LightShape(Vec3)>, 3> lights = {
+      [](Vec3 p) { return SphereLight{.center = p, .radius = 0.5f}; },
+      [](Vec3 p) { return DiskLight{.center = p, .normal = -p, .radius = 0.5f}; },
+      [](Vec3 p) { return DistantLight{.to_light = p, .angular_diameter = 0.3f}; }};
+  for (size_t kind = 0; kind < lights.size(); ++kind) {
+    const auto samples = [&](int step) {
+      return SampleLight({.id = "l", .shape = lights[kind](at(step))}, 64, 1, Vec3(0));
+    };
+    auto before = samples(0);
+    for (int step = 1; step <= 1000; ++step) {
+      const auto after = samples(step);
+      const float moved = glm::distance(at(step), at(step - 1));
+      for (size_t i = 0; i < before.size(); ++i) {
+        ASSERT_LT(glm::distance(after[i].point, before[i].point), 2 * moved)
+            << "light " << kind << ", step " << step << ", sample " << i;
+      }
+      before = after;
+    }
+  }
+}
+
+// A straight edge across the square: how well the first k of n samples tell the part in front of
+// it, against a grid made for k and against k samples strewn about.
+TEST(SampleLight, EveryPrefixMeasuresAlmostAsWellAsAGridOfItsOwn) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (const uint32_t k : {8u, 16u, 32u, 64u, 128u}) {
+    double prefix2 = 0, own2 = 0, strewn2 = 0;
+    constexpr int kEdges = 2000;
+    for (int edge = 0; edge < kEdges; ++edge) {
+      const double angle = 2 * std::numbers::pi * uniform(random);
+      const DVec2 normal(std::cos(angle), std::sin(angle));
+      const double offset = glm::dot(normal, DVec2(uniform(random), uniform(random)));
+      const auto seed = static_cast<uint64_t>(edge);
+      const double area = AreaInFront(normal, offset);
+      const auto error = [&](const std::vector<LightSample>& samples) {
+        double in_front = 0;
+        for (uint32_t i = 0; i < k; ++i) {
+          const Vec3 p = samples[i].point;
+          in_front += normal.x * p.x + normal.y * p.y > offset;
+        }
+        return in_front / k - area;
+      };
+      prefix2 += std::pow(error(SampleLight(UnitSquare(), 256, seed, Vec3(0))), 2);
+      own2 += std::pow(error(SampleLight(UnitSquare(), k, seed, Vec3(0))), 2);
+      strewn2 += area * (1 - area) / k;
+    }
+    EXPECT_LT(std::sqrt(prefix2 / own2), 1.25) << "of a grid's own error, k = " << k;
+    EXPECT_LT(std::sqrt(prefix2 / strewn2), 0.6) << "of a random set's error, k = " << k;
   }
 }
 

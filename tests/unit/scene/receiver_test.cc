@@ -71,11 +71,19 @@ TEST(BoundingParallelogram, FollowsTheWindingOfAMirror) {
 TEST(BoundingParallelogram, RefusesWhatIsNotFlat) {
   for (const Instance& instance :
        {Placed(testing::UnitBoxGeometry()), Placed({}),
-        Placed(testing::UnitSquareGeometry(), testing::Placed(Vec3(0), 0))}) {
+        Placed(testing::UnitSquareGeometry(), testing::Placed(Vec3(0), 0)),
+        Placed(testing::UnitSquareGeometry(),
+               Affine(Vec3(1, 0, 0), Vec3(0, 5e-7f, 0), Vec3(0, 0, 5e-7f), Vec3(0)))}) {
     const auto patch = BoundingParallelogram(instance);
     EXPECT_EQ(patch.status().code(), absl::StatusCode::kFailedPrecondition);
     EXPECT_EQ(ErrorReason(patch.status()), "NOT_PLANAR");
   }
+}
+
+TEST(Parallelogram, HasANormalHoweverSmallItIs) {
+  const Parallelogram tiny{
+      .origin = Vec3(0), .edge_u = Vec3(1e-15f, 0, 0), .edge_v = Vec3(0, 0, -1e-15f)};
+  EXPECT_EQ(tiny.normal(), Vec3(0, 1, 0));
 }
 
 TEST(ReceiverPatch, HasTexelCentresHalfATexelIn) {

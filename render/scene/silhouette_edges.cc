@@ -1,0 +1,75 @@
+#include "render/scene/silhouette_edges.h"
+
+#include <algorithm>
+
+#include "render/scene/silhouette_kernel.h"
+
+namespace penumbra {
+namespace {
+
+struct Viewpoint {
+  float xyzw[4];
+};
+
+Viewpoint Moved(DVec4 viewpoint, DVec3 center) {
+  const DVec3 moved = DVec3(viewpoint) - viewpoint.w * center;
+  return {{static_cast<float>(moved.x), static_cast<float>(moved.y), static_cast<float>(moved.z),
+           static_cast<float>(viewpoint.w)}};
+}
+
+}  // namespace
+
+void SilhouetteList::Reserve(size_t more) {
+  const size_t need = count + more + kClusterEdges;
+  if (weight.size() >= need) return;
+  const size_t size = std::max(need, 2 * weight.size());
+  from.resize(size);
+  to.resize(size);
+  weight.resize(size);
+}
+
+void SilhouetteEdges::Find(DVec4 viewpoint, SilhouetteList& list) const {
+  const Viewpoint moved = Moved(viewpoint, center_);
+  AppendBorderEdges(border_, border_count_, moved.xyzw, list);
+  if (levels_.empty()) {
+    SelectSharedEdges(shared_, 0, shared_count_, moved.xyzw, list);
+  } else {
+    SelectByClusters(shared_, levels_, moved.xyzw, list);
+  }
+}
+
+void SilhouetteEdges::FindOneByOne(DVec4 viewpoint, SilhouetteList& list) const {
+  const Viewpoint moved = Moved(viewpoint, center_);
+  AppendBorderEdges(border_, border_count_, moved.xyzw, list);
+  SelectSharedEdges(shared_, 0, shared_count_, moved.xyzw, list);
+}
+
+SilhouetteEdges SilhouetteEdges::SeenFrom(const ViewBall& ball) const {
+  const Viewpoint moved = Moved(ball.center, center_);
+  // What rounding may do to a height.
+  const double slack =
+      kFacingSlack * (glm::length(DVec3(ball.center) - ball.center.w * center_) + extent_);
+  std::vector<uint32_t> found;
+  SelectSometimes(shared_, shared_count_, levels_, moved.xyzw,
+                  static_cast<float>(ball.radius + slack), found);
+  SilhouetteEdges seen;
+  seen.center_ = center_;
+  seen.extent_ = extent_;
+  seen.border_ = border_;
+  seen.border_count_ = border_count_;
+  seen.shared_count_ = found.size();
+  const auto take = [&](const auto& from, auto& to) {
+    to.resize((found.size() + 2 * kClusterEdges - 1) / kClusterEdges * kClusterEdges);
+    for (size_t e = 0; e < found.size(); ++e) to[e] = from[found[e]];
+  };
+  take(shared_.from, seen.shared_.from);
+  take(shared_.to, seen.shared_.to);
+  for (FacePlanes EdgeArrays::*side : {&EdgeArrays::left, &EdgeArrays::right}) {
+    for (auto values : {&FacePlanes::x, &FacePlanes::y, &FacePlanes::z, &FacePlanes::offset}) {
+      take((shared_.*side).*values, (seen.shared_.*side).*values);
+    }
+  }
+  return seen;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,146 @@
+// The outlines of meshes, against every edge looked at one by one in double precision.
+#include "render/scene/silhouette_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <tuple>
+
+#include "gtest/gtest.h"
+#include "render/scene/mesh.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/shapes.h"
+
+namespace penumbra::testing {
+namespace {
+
+// A ball with dents; `dents` 0: smooth.
+MeshGeometry Ball(int around, int across, double dents) {
+  MeshGeometry ball;
+  Dice dice(5);
+  for (int i = 0; i <= across; ++i) {
+    for (int j = 0; j < around; ++j) {
+      const double a = 2 * std::numbers::pi * j / around, b = std::numbers::pi * i / across;
+      const bool is_pole = i == 0 || i == across;
+      const double r = 1 + (is_pole ? 0 : dents * dice.Between(-1, 1));
+      ball.positions.emplace_back(is_pole ? 0 : r * std::sin(b) * std::cos(a), r * std::cos(b),
+                                  is_pole ? 0 : r * std::sin(b) * std::sin(a));
+    }
+  }
+  for (uint32_t i = 0; i < static_cast<uint32_t>(across); ++i) {
+    for (uint32_t j = 0; j < static_cast<uint32_t>(around); ++j) {
+      const uint32_t a = i * around + j, b = i * around + (j + 1) % around;
+      const uint32_t c = a + around, d = b + around;
+      ball.indices.insert(ball.indices.end(), {a, b, c, b, d, c});
+    }
+  }
+  return ball;
+}
+
+// Triangles between few vertices: edges of many faces, faces back to back, of no area, repeated.
+MeshGeometry Tangle(uint64_t seed) {
+  Dice dice(seed);
+  MeshGeometry tangle;
+  for (int i = 0; i < 12; ++i) tangle.positions.push_back(dice.InCube(1));
+  tangle.positions.push_back(tangle.positions[0]);
+  for (int t = 0; t < 60; ++t) {
+    for (int k = 0; k < 3; ++k) tangle.indices.push_back(dice.Below(13));
+  }
+  return tangle;
+}
+
+using Place = std::tuple<float, float, float>;
+
+Place PlaceOf(Vec3 p) { return {p.x, p.y, p.z}; }
+
+// The sum of what each edge is crossed with, per pair of places; edges that cancel are left out.
+using Crossings = std::map<std::pair<Place, Place>, int>;
+
+void Cross(Vec3 from, Vec3 to, int weight, Crossings& crossings) {
+  const Place a = PlaceOf(from), b = PlaceOf(to);
+  if (a == b) return;  // an edge of no length
+  const auto key = a < b ? std::pair(a, b) : std::pair(b, a);
+  const int sum = crossings[key] += a < b ? weight : -weight;
+  if (sum == 0) crossings.erase(key);
+}
+
+Crossings OfList(const MeshGeometry& mesh, const SilhouetteList& list) {
+  Crossings crossings;
+  for (size_t e = 0; e < list.count; ++e) {
+    Cross(mesh.positions[list.from[e]], mesh.positions[list.to[e]], list.weight[e], crossings);
+  }
+  return crossings;
+}
+
+// Every face's three edges with its facing: what the outline has to add up to.
+Crossings OfFaces(const MeshGeometry& mesh, DVec4 viewpoint) {
+  Crossings crossings;
+  for (size_t t = 0; t < mesh.indices.size(); t += 3) {
+    const auto p = [&](size_t k) { return mesh.positions[mesh.indices[t + k % 3]]; };
+    const DVec3 normal = glm::cross(DVec3(p(1)) - DVec3(p(0)), DVec3(p(2)) - DVec3(p(0)));
+    const DVec3 towards = DVec3(viewpoint) - viewpoint.w * DVec3(p(0));
+    const int facing = glm::dot(normal, towards) > 0 ? 1 : -1;
+    for (size_t k = 0; k < 3; ++k) Cross(p(k), p(k + 1), facing, crossings);
+  }
+  return crossings;
+}
+
+DVec4 SomeViewpoint(Dice& dice) {
+  const Vec3 direction = dice.Direction();
+  if (dice.Below(3) == 0) return DVec4(DVec3(direction), 0);
+  return DVec4(DVec3(dice.Between(0.2f, 8) * direction), 1);
+}
+
+void ExpectOutlines(const MeshGeometry& mesh, int viewpoints) {
+  const SilhouetteEdges edges(mesh.positions, mesh.indices);
+  Dice dice(17);
+  for (int v = 0; v < viewpoints; ++v) {
+    const DVec4 viewpoint = SomeViewpoint(dice);
+    SilhouetteList by_clusters, one_by_one, seen;
+    edges.Find(viewpoint, by_clusters);
+    edges.FindOneByOne(viewpoint, one_by_one);
+    const Crossings expected = OfFaces(mesh, viewpoint);
+    ASSERT_EQ(OfList(mesh, by_clusters), expected) << v;
+    ASSERT_EQ(OfList(mesh, one_by_one), expected) << v;
+    ASSERT_EQ(by_clusters.count, one_by_one.count) << v;
+    const double radius = dice.Between(0, 0.5f);
+    const DVec4 moved = viewpoint + DVec4(radius * DVec3(dice.Direction()), 0);
+    edges.SeenFrom({moved, radius * 1.0001}).Find(viewpoint, seen);
+    ASSERT_EQ(OfList(mesh, seen), expected) << v;
+  }
+}
+
+TEST(SilhouetteEdges, OfSmoothAndDentedBalls) {
+  ExpectOutlines(Ball(40, 30, 0), 60);
+  ExpectOutlines(Ball(50, 50, 0.1), 60);
+}
+
+TEST(SilhouetteEdges, OfBoxesSquaresAndNothing) {
+  ExpectOutlines(UnitBoxGeometry(), 60);
+  ExpectOutlines(UnitSquareGeometry(), 60);
+  ExpectOutlines({}, 2);
+}
+
+TEST(SilhouetteEdges, OfMeshesThatAreNoManifolds) {
+  for (uint64_t seed = 0; seed < 60; ++seed) ExpectOutlines(Tangle(seed), 20);
+}
+
+TEST(SilhouetteEdges, AClosedMeshHasSharedEdgesOnly) {
+  const MeshGeometry ball = Ball(40, 30, 0);
+  const SilhouetteEdges edges(ball.positions, ball.indices);
+  EXPECT_EQ(edges.border_edge_count(), 0u);
+  EXPECT_GT(edges.shared_edge_count(), 3000u);
+  const MeshGeometry square = UnitSquareGeometry();
+  const SilhouetteEdges open(square.positions, square.indices);
+  EXPECT_EQ(open.border_edge_count(), 4u);
+  EXPECT_EQ(open.shared_edge_count(), 1u);
+}
+
+TEST(SilhouetteEdges, AMeshKeepsItsOwn) {
+  const auto mesh = MeshOf(Ball(8, 6, 0));
+  EXPECT_EQ(&mesh->silhouette_edges(), &mesh->silhouette_edges());
+}
+
+}  // namespace
+}  // namespace penumbra::testing
