@@ -72,6 +72,20 @@ absl::Status SetSeed(TechniqueParams& params, std::string_view text) {
   return absl::OkStatus();
 }
 
+absl::Status SetMethod(TechniqueParams& params, std::string_view text) {
+  const auto method = VisibilityMethodNamed(text);
+  if (!method) {
+    return RangeError(
+        "--method", text,
+        absl::StrCat("one of: ", absl::StrJoin(kVisibilityMethodNames, ", ",
+                                               [](std::string* out, std::string_view name) {
+                                                 out->append(name);
+                                               })));
+  }
+  std::visit([&](auto& p) { p.method = *method; }, params);
+  return absl::OkStatus();
+}
+
 absl::Status AddLight(const LightOption& option, std::string_view text,
                       std::vector<AreaLight>& lights) {
   auto shape = ParseLight(option, text);

@@ -1,5 +1,6 @@
 #include "proto/convert/artifact_assembler.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <variant>
@@ -51,14 +52,14 @@ absl::Status ArtifactAssembler::Begin(const v1::ArtifactUpdate& message) {
   in_update_ = true;
   revision_ = message.revision();
   next_ = nullptr;
-  tiles_missing_ = 0;
+  has_tile_.clear();
   if (!message.has_header()) return absl::OkStatus();
   auto artifact = FromProto(message.header(), limits_);
   if (!artifact.ok()) return artifact.status();
   next_ = std::make_shared<Artifact>(*std::move(artifact));
   const bool starts_from_nothing = message.base_sequence() == 0 || !artifact_;
   if (starts_from_nothing || !CopyTexels(*artifact_, *next_)) {
-    tiles_missing_ = GridOf(TextureOf(*next_)).tile_count();
+    has_tile_.assign(GridOf(TextureOf(*next_)).tile_count(), false);
   }
   if (message.has_light_samples()) {
     auto samples = DecodeLightSamples(message.light_samples());
@@ -78,7 +79,9 @@ absl::Status ArtifactAssembler::AddTiles(const v1::ArtifactUpdate& message) {
   }
   for (const auto& tile : message.tiles()) {
     if (auto status = decoder_.Decode(tile, TextureOf(*next_)); !status.ok()) return status;
-    if (tiles_missing_ > 0) --tiles_missing_;
+    if (has_tile_.empty()) continue;
+    const TileGrid grid = GridOf(TextureOf(*next_));
+    has_tile_[size_t{tile.row()} * grid.columns() + tile.column()] = true;
   }
   return absl::OkStatus();
 }
@@ -88,8 +91,8 @@ absl::StatusOr<ArtifactUpdate> ArtifactAssembler::Finish(const v1::ArtifactUpdat
   if (message.has_error()) {
     return ArtifactUpdate{revision_, FromProto(message.error()), nullptr};
   }
-  if (tiles_missing_ > 0) {
-    return Incomplete("found " + std::to_string(tiles_missing_) + " tiles missing, need all");
+  if (const auto missing = std::count(has_tile_.begin(), has_tile_.end(), false); missing > 0) {
+    return Incomplete("found " + std::to_string(missing) + " tiles missing, need all");
   }
   if (next_) artifact_ = std::move(next_);
   next_ = nullptr;

@@ -40,10 +40,10 @@ class ArtifactAssembler {
   SceneLimits limits_;
   TileDecoder decoder_;
   uint64_t sequence_ = 0;
-  Revision revision_ = 0;                     // of the update in the making
-  bool in_update_ = false;                    // between an update's first and last message
-  std::shared_ptr<Artifact> next_;            // in the making; null: no artifact in this update
-  size_t tiles_missing_ = 0;                  // of an artifact that starts from nothing
+  Revision revision_ = 0;           // of the update in the making
+  bool in_update_ = false;          // between an update's first and last message
+  std::shared_ptr<Artifact> next_;  // in the making; null: no artifact in this update
+  std::vector<bool> has_tile_;      // of an artifact that starts from nothing, otherwise empty
   std::shared_ptr<const Artifact> artifact_;  // the newest complete one
 };
 

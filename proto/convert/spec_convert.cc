@@ -1,9 +1,11 @@
 #include "proto/convert/spec_convert.h"
 
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "render/scene/field_error.h"
+#include "render/scene/scene.h"
 
 namespace penumbra {
 namespace {
@@ -14,14 +16,41 @@ void Write(const SoftTextureParams& params, v1::ArtifactSpec& proto) {
   parameters.set_samples(params.samples);
   parameters.set_seed(params.seed);
   parameters.set_radiance(params.radiance);
+  // The protocol counts from 1 what is listed in the same order here.
+  parameters.set_method(static_cast<v1::VisibilityMethod>(static_cast<int>(params.method) + 1));
 }
 
-SoftTextureParams Read(const v1::SoftTextureParameters& proto) {
+absl::StatusOr<TechniqueParams> Read(const v1::SoftTextureParameters& proto) {
   SoftTextureParams params;
   if (proto.has_samples()) params.samples = proto.samples();
   if (proto.has_seed()) params.seed = proto.seed();
   if (proto.has_radiance()) params.radiance = proto.radiance();
+  if (!v1::VisibilityMethod_IsValid(proto.method())) {
+    return FieldError(
+        absl::StatusCode::kInvalidArgument, "RANGE", "spec.soft_texture.method",
+        "found " + std::to_string(proto.method()) + ", need a method that this server knows");
+  }
+  if (proto.method() != v1::VISIBILITY_METHOD_UNSPECIFIED) {
+    params.method = static_cast<VisibilityMethod>(proto.method() - 1);
+  }
   return params;
+}
+
+absl::StatusOr<TechniqueParams> ReadTechnique(const v1::ArtifactSpec& proto) {
+  // Every technique of the list needs a case below; the count makes a new one fail here.
+  static_assert(std::variant_size_v<TechniqueParams> == 1);
+  switch (proto.technique_case()) {
+    case v1::ArtifactSpec::kSoftTexture:
+      return Read(proto.soft_texture());
+    case v1::ArtifactSpec::TECHNIQUE_NOT_SET:
+      break;
+  }
+  std::string known;
+  for (const auto& params : AllTechniques()) {
+    known += (known.empty() ? "" : ", ") + std::string(InfoOf(params).name);
+  }
+  return FieldError(absl::StatusCode::kInvalidArgument, "UNKNOWN_TECHNIQUE", "spec.technique",
+                    "found none that this server knows, need one of: " + known);
 }
 
 }  // namespace
@@ -35,22 +64,13 @@ v1::ArtifactSpec ToProto(const ArtifactSpec& spec) {
 }
 
 absl::StatusOr<ArtifactSpec> FromProto(const v1::ArtifactSpec& proto) {
-  // Every technique of the list needs a case below; the count makes a new one fail here.
-  static_assert(std::variant_size_v<TechniqueParams> == 1);
-  ArtifactSpec spec{.params = {}, .light_id = proto.light_id(), .receiver_id = proto.receiver_id()};
-  switch (proto.technique_case()) {
-    case v1::ArtifactSpec::kSoftTexture:
-      spec.params = Read(proto.soft_texture());
-      return spec;
-    case v1::ArtifactSpec::TECHNIQUE_NOT_SET:
-      break;
-  }
-  std::string known;
-  for (const auto& params : AllTechniques()) {
-    known += (known.empty() ? "" : ", ") + std::string(InfoOf(params).name);
-  }
-  return FieldError(absl::StatusCode::kInvalidArgument, "UNKNOWN_TECHNIQUE", "spec.technique",
-                    "found none that this server knows, need one of: " + known);
+  auto params = ReadTechnique(proto);
+  if (!params.ok()) return params.status();
+  if (auto status = CheckId(proto.light_id(), "spec.light_id"); !status.ok()) return status;
+  if (auto status = CheckId(proto.receiver_id(), "spec.receiver_id"); !status.ok()) return status;
+  return ArtifactSpec{.params = *std::move(params),
+                      .light_id = proto.light_id(),
+                      .receiver_id = proto.receiver_id()};
 }
 
 v1::TechniqueInfo ToProto(const TechniqueInfo& info) {

@@ -14,7 +14,7 @@ v1::ArtifactSpec ToProto(const ArtifactSpec& spec);
 
 // Parameters are taken as they are: the technique checks them.
 //
-// Errors  kInvalidArgument UNKNOWN_TECHNIQUE: none, or one of a later protocol
+// Errors  kInvalidArgument UNKNOWN_TECHNIQUE: none, or one of a later protocol; BAD_ID
 absl::StatusOr<ArtifactSpec> FromProto(const v1::ArtifactSpec& spec);
 
 v1::TechniqueInfo ToProto(const TechniqueInfo& info);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "render/math/vec.h"
@@ -44,6 +45,10 @@ struct SoftShadowTexture {
 //
 // Shapes  H×W counts → H×W×3
 // Source  Herf 1997, equation 4.1; the ambient term is left to whoever draws
-RadianceTexture ReflectedRadiance(const SoftShadowTexture& texture);
+//
+// Of a light that crosses the receiver's plane both sides get the same visible fraction. Once
+// `stop` is requested, rows that have not begun are left black.
+RadianceTexture ReflectedRadiance(const SoftShadowTexture& texture,
+                                  const std::stop_token& stop = {});
 
 }  // namespace penumbra

@@ -6,7 +6,8 @@ namespace penumbra {
 namespace {
 
 std::string KeyOf(const SoftTextureParams& params) {
-  return absl::StrCat(params.samples, " ", params.seed, " ", params.radiance);
+  return absl::StrCat(params.samples, " ", params.seed, " ", params.radiance, " ",
+                      static_cast<int>(params.method));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "render/artifact/artifact.h"
 #include "render/scene/scene.h"
 #include "render/technique/artifact_spec.h"
+#include "render/technique/technique_memory.h"
 #include "tbb/task_arena.h"
 
 namespace penumbra {
@@ -27,8 +28,9 @@ struct ComputeContext {
   gl::Context* gl = nullptr;  // current on this thread, or null
   std::stop_token stop;       // checked at least once per light sample
   std::function<void(Artifact)>
-      progress;           // takes coarse artifacts before the final one; may be null
-  MonotonicClock now_ms;  // may be null: then no timings
+      progress;                       // takes coarse artifacts before the final one; may be null
+  MonotonicClock now_ms;              // may be null: then no timings
+  TechniqueMemory* memory = nullptr;  // of this artifact; null: nothing can be kept
 };
 
 // Immutable and without state of its own: any thread may use one, any number at a time.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "gtest/gtest.h"
 #include "render/reference/exact_ray.h"
 #include "render/reference/ray_visibility.h"
 
@@ -69,6 +70,19 @@ class Judge {
   double ulp_ = 0;
 };
 
+// docs/techniques/soft_texture.md: occluders within 2⁻¹⁹ of the receiver's largest coordinate, or
+// of its size, do not count. A technique that left out more would have rays do the same.
+void ExpectStatedOffset(const Parallelogram& patch, double offset) {
+  double largest = glm::length(DVec3(patch.edge_u)) + glm::length(DVec3(patch.edge_v));
+  for (const float u : {0.0f, 1.0f}) {
+    for (const float v : {0.0f, 1.0f}) {
+      const Vec3 corner = patch.At(Vec2(u, v));
+      for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(double{corner[c]}));
+    }
+  }
+  EXPECT_NEAR(offset, largest / 524288, 1e-12 * largest);
+}
+
 }  // namespace
 
 void Exactness::Add(const Exactness& other) {
@@ -87,6 +101,7 @@ Exactness CompareWithRays(const Scene& scene, const Artifact& artifact) {
   const auto& texture = std::get<SoftShadowTexture>(artifact.payload);
   const auto& samples = artifact.header.light_samples;
   const double offset = std::stod(artifact.header.parameters.at("surface_offset_m"));
+  ExpectStatedOffset(texture.receiver.patch, offset);
   const RayVisibility rays(scene, RayVisibility::Intersector::kRobust);
   tbb::task_arena arena;
   const VisibilityMap traced = rays.Counts(texture.receiver, samples, offset, arena);

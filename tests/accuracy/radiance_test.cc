@@ -54,6 +54,7 @@ TEST_P(RadianceTest, AgreesWithTheIntegral) {
     }
     for (int c = 0; c < 3; ++c) {
       const double scale = unit * (expected.x > 0 ? expected[c] / expected.x : 1);
+      ASSERT_TRUE(std::isfinite(actual[c]));
       worst = std::max(worst, std::abs(actual[c] - expected[c]) / scale);
     }
   }
@@ -92,6 +93,7 @@ TEST_P(RadianceTest, TheTextureOfAnUnoccludedReceiver) {
       if (expected.x < kDarkest) continue;
       ++lit;
       for (int c = 0; c < 3; ++c) {
+        ASSERT_TRUE(std::isfinite(actual[c]));
         worst = std::max(worst, std::abs(actual[c] / expected[c] - 1));
       }
     }

@@ -136,6 +136,41 @@ std::vector<Row> RunCase(const std::string& name, const SceneDelta& delta,
           {prefix + "differing_fraction", differing / texel_samples, "1"}};
 }
 
+// Moving one of the boxes of `delta` to and fro, the other occluders' shadows being kept, against
+// rays through the whole scene.
+std::vector<Row> RunIncremental(const std::string& name, const SceneDelta& delta,
+                                const BenchOptions& options) {
+  const auto before = Scene::Empty("bench")->Apply(delta).value();
+  std::vector<std::shared_ptr<const Scene>> scenes;
+  for (const float x : {0.1f, 0.2f}) {
+    Instance box = *before->FindInstance("box7");
+    box.world_from_mesh[3] += Vec3(x, 0, 0);
+    scenes.push_back(before->Apply({.upsert_instances = {box}}).value());
+  }
+  const ArtifactSpec spec{SoftTextureParams{.samples = kSamples}, "lamp", "floor"};
+  tbb::task_arena arena(options.threads);
+  MemoryBudget budget(size_t{64} << 20);
+  TechniqueMemory memory{budget, nullptr};
+  const ComputeContext context{.arena = arena, .memory = &memory};
+  const Technique& technique = TechniqueFor(spec.params);
+  for (const auto& scene : {before, scenes[0], scenes[1]}) {
+    (void)technique.Compute(*scene, spec, context);
+  }
+  size_t turn = 0;
+  const auto edit = [&] { return technique.Compute(*scenes[++turn % 2], spec, context).value(); };
+  const Artifact artifact = edit();
+  const double offset = std::atof(artifact.header.parameters.at("surface_offset_m").c_str());
+  const auto& texture = std::get<SoftShadowTexture>(artifact.payload);
+  const RayVisibility rays(*scenes[turn % 2], RayVisibility::Intersector::kFast);
+  const Duel duel = Interleave(
+      options.min_seconds, [&] { (void)edit(); },
+      [&] { rays.Counts(texture.receiver, artifact.header.light_samples, offset, arena); });
+  const std::string prefix = "soft_texture." + name + ".";
+  return {{prefix + "median", duel.OursMs(), "ms"},
+          {prefix + "embree_median", duel.PeersMs(), "ms"},
+          {prefix + "speedup_vs_embree", duel.Speedup(), "x"}};
+}
+
 }  // namespace
 
 std::vector<Row> SoftTextureSuite(const BenchOptions& options) {
@@ -148,6 +183,8 @@ std::vector<Row> SoftTextureSuite(const BenchOptions& options) {
     std::vector<Row> more = RunCase(name, delta, options);
     rows.insert(rows.end(), more.begin(), more.end());
   }
+  const std::vector<Row> more = RunIncremental("herf256_incremental", Boxes(84), options);
+  rows.insert(rows.end(), more.begin(), more.end());
   return rows;
 }
 

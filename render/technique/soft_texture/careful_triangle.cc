@@ -12,7 +12,7 @@ namespace {
 constexpr double kSmallestW = 0x1.0p-16;
 constexpr double kMargin = 0.5;  // of the texture, kept on each side
 
-using HomogeneousPolygon = std::array<DVec3, 8>;
+using HomogeneousPolygon = std::array<DVec3, ClippedPolygon::kMaxCorners>;
 
 // Cuts `polygon` by `inside` ≥ 0, linear in (x, y, w). Crossings are computed from the inner
 // corner, so that neighbours agree.

@@ -11,9 +11,12 @@
 
 namespace penumbra {
 
-// A polygon of up to 3 + 5 corners: a triangle after the clip planes below.
+// A triangle after the clip planes below. Each of the five adds one corner at most, were it not for
+// rounding, with which an edge that lies in a plane may cross it to and fro: half as many again.
 struct ClippedPolygon {
-  std::array<DVec2, 8> texels;
+  static constexpr size_t kMaxCorners = 24;
+
+  std::array<DVec2, kMaxCorners> texels;
   size_t size = 0;
 };
 

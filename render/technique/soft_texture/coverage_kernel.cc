@@ -4,36 +4,22 @@
 #define HWY_TARGET_INCLUDE "render/technique/soft_texture/coverage_kernel.cc"
 #include "hwy/foreach_target.h"  // compiles this file once for each target
 #include "hwy/highway.h"
+#include "render/technique/soft_texture/edge_flags.h"
+#include "render/technique/soft_texture/kernel_rows-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace penumbra {
 namespace HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using F = hn::CappedTag<float, kMaxLanes>;
-using I = hn::RebindToSigned<F>;
-using U = hn::RebindToUnsigned<F>;
-using VF = hn::Vec<F>;
-using VI = hn::Vec<I>;
-using VU = hn::Vec<U>;
-
 void ProjectVertices(const float* x, const float* y, const float* z, size_t count,
                      const TexelProjection& p, ProjectedVertices& out) {
   const F f;
-  const VF half = hn::Set(f, 0.5f), one = hn::Set(f, 1.0f);
-  const auto row = [&](const float(&r)[3], VF vx, VF vy, VF vz, VF constant) {
-    return hn::MulAdd(vx, hn::Set(f, r[0]),
-                      hn::MulAdd(vy, hn::Set(f, r[1]), hn::MulAdd(vz, hn::Set(f, r[2]), constant)));
-  };
   for (size_t i = 0; i < count; i += hn::Lanes(f)) {
-    const VF vx = hn::LoadU(f, x + i), vy = hn::LoadU(f, y + i), vz = hn::LoadU(f, z + i);
-    const VF w = row(p.w_row, vx, vy, vz, one);
-    const VF inverse_w = hn::Div(one, w);
-    const VF zero = hn::Zero(f);
-    hn::StoreU(hn::MulSub(row(p.x_row, vx, vy, vz, zero), inverse_w, half), f, out.x.data() + i);
-    hn::StoreU(hn::MulSub(row(p.y_row, vx, vy, vz, zero), inverse_w, half), f, out.y.data() + i);
-    hn::StoreU(w, f, out.w.data() + i);
+    const Projected projected =
+        Project(hn::LoadU(f, x + i), hn::LoadU(f, y + i), hn::LoadU(f, z + i), p);
+    hn::StoreU(projected.texel.x, f, out.x.data() + i);
+    hn::StoreU(projected.texel.y, f, out.y.data() + i);
+    hn::StoreU(projected.w, f, out.w.data() + i);
   }
 }
 
@@ -48,80 +34,90 @@ struct Batch {
   HWY_ALIGN int32_t column_begin[kMaxLanes], column_end[kMaxLanes];  // texel columns
 };
 
-struct Corners {
-  VF x, y;
+// The edges of triangle `t`, one value in all lanes.
+struct Sides {
+  VF x_low, y_low, x_middle, y_middle, long_slope, lower_slope, upper_slope;
+
+  HWY_INLINE Sides(const Batch& batch, size_t t)
+      : x_low(hn::Set(F(), batch.x_low[t])),
+        y_low(hn::Set(F(), batch.y_low[t])),
+        x_middle(hn::Set(F(), batch.x_middle[t])),
+        y_middle(hn::Set(F(), batch.y_middle[t])),
+        long_slope(hn::Set(F(), batch.long_slope[t])),
+        lower_slope(hn::Set(F(), batch.lower_slope[t])),
+        upper_slope(hn::Set(F(), batch.upper_slope[t])) {}
 };
 
-HWY_INLINE void SortByRow(Corners& a, Corners& b) {
-  const auto swap = hn::Gt(a.y, b.y);
-  const VF ax = a.x, ay = a.y;
-  a = {hn::IfThenElse(swap, b.x, ax), hn::IfThenElse(swap, b.y, ay)};
-  b = {hn::IfThenElse(swap, ax, b.x), hn::IfThenElse(swap, ay, b.y)};
-}
+// The columns [left, right) that the triangle covers in rows `row`; any whole numbers, and none in
+// rows from `row_end` on.
+struct RowSpans {
+  VI left, right;
+};
 
-// The number with its lowest k bits set; 32 or more gives all.
-HWY_INLINE VU LowBits(VI k) {
-  const U u;
-  const VU bits = hn::BitCast(u, k);
-  const VU top = hn::IfThenElseZero(hn::Lt(bits, hn::Set(u, 32)), hn::Shl(hn::Set(u, 1), bits));
-  return hn::Sub(top, hn::Set(u, 1));
-}
-
-// The next whole number at or above `x`, for |x| < 2²²: adding 1.5 · 2²³ leaves the number in the
-// lowest bits of the mantissa. Highway's own conversion spends four more instructions on larger
-// numbers.
-HWY_INLINE VI CeilToInt(VF x) {
+HWY_INLINE RowSpans SpansIn(VI row, const Sides& s, int32_t row_end) {
   const F f;
-  const I i;
-  const VF magic = hn::Set(f, 12582912.0f);
-  return hn::Sub(hn::BitCast(i, hn::Add(hn::Ceil(x), magic)), hn::BitCast(i, magic));
+  const VF y = hn::ConvertTo(f, row);
+  const VF from_low = hn::Sub(y, s.y_low);
+  const VF long_x = hn::MulAdd(from_low, s.long_slope, s.x_low);
+  const VF short_x =
+      hn::IfThenElse(hn::Lt(y, s.y_middle), hn::MulAdd(from_low, s.lower_slope, s.x_low),
+                     hn::MulAdd(hn::Sub(y, s.y_middle), s.upper_slope, s.x_middle));
+  const VI left = CeilToInt(hn::Min(long_x, short_x));
+  const VI right = CeilToInt(hn::Max(long_x, short_x));
+  return {left, hn::IfThenElse(hn::Lt(row, hn::Set(I(), row_end)), right, left)};
 }
 
-HWY_INLINE void DrawOne(const Batch& batch, size_t t, uint32_t first_row, uint32_t stride,
-                        uint32_t* words) {
-  const F f;
+HWY_INLINE void DrawOne(const Batch& batch, size_t t, const TexelWindow& window,
+                        ShadowBitmap& bitmap) {
   const I i;
   const U u;
-  const VF x_low = hn::Set(f, batch.x_low[t]), y_low = hn::Set(f, batch.y_low[t]);
-  const VF x_middle = hn::Set(f, batch.x_middle[t]), y_middle = hn::Set(f, batch.y_middle[t]);
-  const VF long_slope = hn::Set(f, batch.long_slope[t]);
-  const VF lower_slope = hn::Set(f, batch.lower_slope[t]);
-  const VF upper_slope = hn::Set(f, batch.upper_slope[t]);
+  const Sides sides(batch, t);
   const int32_t row_end = batch.row_end[t];
   const uint32_t word_begin = static_cast<uint32_t>(batch.column_begin[t]) / 32;
   const uint32_t word_end = (static_cast<uint32_t>(batch.column_end[t]) + 31) / 32;
   for (int32_t base = batch.row_begin[t]; base < row_end;
-       base += static_cast<int32_t>(hn::Lanes(f))) {
-    const VI row = hn::Iota(i, base);
-    const VF y = hn::ConvertTo(f, row);
-    const VF from_low = hn::Sub(y, y_low);
-    const VF long_x = hn::MulAdd(from_low, long_slope, x_low);
-    const VF short_x = hn::IfThenElse(hn::Lt(y, y_middle), hn::MulAdd(from_low, lower_slope, x_low),
-                                      hn::MulAdd(hn::Sub(y, y_middle), upper_slope, x_middle));
-    const VI left = CeilToInt(hn::Min(long_x, short_x));
-    const VI right_end = CeilToInt(hn::Max(long_x, short_x));
-    const VI right = hn::IfThenElse(hn::Lt(row, hn::Set(i, row_end)), right_end, left);
-    uint32_t* word =
-        words + size_t{word_begin} * stride + (static_cast<uint32_t>(base) - first_row);
-    for (uint32_t c = word_begin; c < word_end; ++c, word += stride) {
+       base += static_cast<int32_t>(hn::Lanes(i))) {
+    const auto [left, right] = SpansIn(hn::Iota(i, base), sides, row_end);
+    uint32_t* word = bitmap.words.data() + size_t{word_begin} * bitmap.stride +
+                     (static_cast<uint32_t>(base) - window.row_begin);
+    for (uint32_t c = word_begin; c < word_end; ++c, word += bitmap.stride) {
       const VI offset = hn::Set(i, static_cast<int32_t>(32 * c));
       const VU below = LowBits(hn::Max(hn::Sub(left, offset), hn::Zero(i)));
       const VU upto = LowBits(hn::Max(hn::Sub(right, offset), hn::Zero(i)));
       hn::StoreU(hn::Or(hn::LoadU(u, word), hn::AndNot(below, upto)), u, word);
     }
   }
+  const auto row = [&](int32_t r) { return static_cast<uint32_t>(r) - window.row_begin; };
+  bitmap.Touch(word_begin, word_end, row(batch.row_begin[t]), row(row_end));
+}
+
+// One surface more from the left side on, one less from the right side on.
+HWY_INLINE void FlagOne(const Batch& batch, size_t t, const TexelWindow& window, EdgeFlags& flags) {
+  const I i;
+  const Sides sides(batch, t);
+  const int32_t row_begin = batch.row_begin[t], row_end = batch.row_end[t];
+  const auto lanes = static_cast<int32_t>(hn::Lanes(i));
+  const auto width = static_cast<int32_t>(window.width);
+  HWY_ALIGN int32_t left[kMaxLanes], right[kMaxLanes];
+  for (int32_t base = row_begin; base < row_end; base += lanes) {
+    const auto spans = SpansIn(hn::Iota(i, base), sides, row_end);
+    hn::Store(hn::Max(spans.left, hn::Zero(i)), i, left);
+    hn::Store(hn::Max(spans.right, hn::Zero(i)), i, right);
+    for (int32_t r = 0; r < std::min(lanes, row_end - base); ++r) {
+      if (left[r] >= right[r]) continue;
+      int32_t* const row = &flags.change[static_cast<uint32_t>(base + r) - window.row_begin];
+      if (left[r] < width) row[size_t(left[r]) * flags.stride] += 1;
+      if (right[r] < width) row[size_t(right[r]) * flags.stride] -= 1;
+    }
+  }
+  const auto column_end = static_cast<uint32_t>(batch.column_end[t]);
+  flags.Touch(static_cast<uint32_t>(batch.column_begin[t]), std::min(column_end + 1, window.width),
+              static_cast<uint32_t>(row_begin) - window.row_begin,
+              static_cast<uint32_t>(row_end) - window.row_begin);
 }
 
 HWY_INLINE VF GatherAt(const std::vector<float>& values, VI index) {
   return hn::GatherIndex(F(), values.data(), index);
-}
-
-// Lanes as bits of a number.
-template <class M>
-HWY_INLINE uint32_t Bits(M mask) {
-  uint8_t bytes[8] = {};
-  hn::StoreMaskBits(F(), mask, bytes);
-  return bytes[0] | uint32_t{bytes[1]} << 8;
 }
 
 // One lane a triangle.
@@ -180,11 +176,9 @@ HWY_INLINE void StoreBatch(const Corners& low, const Corners& middle, const Corn
   hn::Store(low.y, f, batch.y_low);
   hn::Store(middle.x, f, batch.x_middle);
   hn::Store(middle.y, f, batch.y_middle);
-  const auto slope = [](const Corners& from, const Corners& to)
-                         HWY_ATTR { return hn::Div(hn::Sub(to.x, from.x), hn::Sub(to.y, from.y)); };
-  hn::Store(slope(low, high), f, batch.long_slope);
-  hn::Store(slope(low, middle), f, batch.lower_slope);
-  hn::Store(slope(middle, high), f, batch.upper_slope);
+  hn::Store(SlopeBetween(low, high), f, batch.long_slope);
+  hn::Store(SlopeBetween(low, middle), f, batch.lower_slope);
+  hn::Store(SlopeBetween(middle, high), f, batch.upper_slope);
   hn::Store(hn::ConvertTo(i, extent.row_begin), i, batch.row_begin);
   hn::Store(hn::ConvertTo(i, extent.row_end), i, batch.row_end);
   hn::Store(hn::ConvertTo(i, extent.column_begin), i, batch.column_begin);
@@ -235,24 +229,34 @@ HWY_INLINE Selection SelectAndStore(const ProjectedVertices& vertices,
   return selection;
 }
 
-void DrawTriangles(const ProjectedVertices& vertices, const TriangleList& triangles,
-                   const TexelWindow& window, bool near_light, ShadowBitmap& bitmap,
-                   std::vector<uint32_t>& deferred) {
+// Calls `put(batch, k)` for every triangle to be drawn.
+template <class Put>
+HWY_INLINE void ForEachTriangle(const ProjectedVertices& vertices, const TriangleList& triangles,
+                                const TexelWindow& window, bool near_light,
+                                std::vector<uint32_t>& deferred, const Put& put) {
   Batch batch = {};
   for (uint32_t t = 0; t < triangles.count; t += hn::Lanes(F())) {
     auto [draw, defer] = SelectAndStore(vertices, triangles, t, window, near_light, batch);
     for (; defer != 0; defer &= defer - 1) {
       deferred.push_back(t + static_cast<uint32_t>(__builtin_ctz(defer)));
     }
-    for (; draw != 0; draw &= draw - 1) {
-      const auto k = static_cast<size_t>(__builtin_ctz(draw));
-      DrawOne(batch, k, window.row_begin, bitmap.stride, bitmap.words.data());
-      bitmap.Touch(static_cast<uint32_t>(batch.column_begin[k]) / 32,
-                   (static_cast<uint32_t>(batch.column_end[k]) + 31) / 32,
-                   static_cast<uint32_t>(batch.row_begin[k]) - window.row_begin,
-                   static_cast<uint32_t>(batch.row_end[k]) - window.row_begin);
-    }
+    for (; draw != 0; draw &= draw - 1) put(batch, static_cast<size_t>(__builtin_ctz(draw)));
   }
+}
+
+void DrawTriangles(const ProjectedVertices& vertices, const TriangleList& triangles,
+                   const TexelWindow& window, bool near_light, ShadowBitmap& bitmap,
+                   std::vector<uint32_t>& deferred) {
+  ForEachTriangle(vertices, triangles, window, near_light, deferred,
+                  [&](const Batch& batch, size_t k)
+                      HWY_ATTR { DrawOne(batch, k, window, bitmap); });
+}
+
+void FlagTriangles(const ProjectedVertices& vertices, const TriangleList& triangles,
+                   const TexelWindow& window, bool near_light, EdgeFlags& flags,
+                   std::vector<uint32_t>& deferred) {
+  ForEachTriangle(vertices, triangles, window, near_light, deferred,
+                  [&](const Batch& batch, size_t k) HWY_ATTR { FlagOne(batch, k, window, flags); });
 }
 
 const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
@@ -266,6 +270,7 @@ namespace penumbra {
 
 HWY_EXPORT(ProjectVertices);
 HWY_EXPORT(DrawTriangles);
+HWY_EXPORT(FlagTriangles);
 HWY_EXPORT(TargetName);
 
 void ProjectVertices(const float* x, const float* y, const float* z, size_t count,
@@ -278,6 +283,13 @@ void DrawTriangles(const ProjectedVertices& vertices, const TriangleList& triang
                    std::vector<uint32_t>& deferred) {
   HWY_DYNAMIC_DISPATCH(DrawTriangles)
   (vertices, triangles, window, near_light, bitmap, deferred);
+}
+
+void FlagTriangles(const ProjectedVertices& vertices, const TriangleList& triangles,
+                   const TexelWindow& window, bool near_light, EdgeFlags& flags,
+                   std::vector<uint32_t>& deferred) {
+  HWY_DYNAMIC_DISPATCH(FlagTriangles)
+  (vertices, triangles, window, near_light, flags, deferred);
 }
 
 const char* KernelTargetName() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }

@@ -20,15 +20,17 @@ TexelProjection ScaleToTexels(const ReceiverTransform& map, const ReceiverPatch&
   return projection;
 }
 
+DVec3 CornerOf(const Aabb& box, int corner) {
+  return {(corner & 1) ? box.max.x : box.min.x, (corner & 2) ? box.max.y : box.min.y,
+          (corner & 4) ? box.max.z : box.min.z};
+}
+
 // Whether all corners of the group's box lie beyond one side of the pyramid, or beyond the light.
 // Each test is linear in (x, y, w), so what holds for the corners holds for the box.
 bool MissesPyramid(const OccluderGroup& group, const ReceiverTransform& map) {
   bool beyond[5] = {true, true, true, true, true};
   for (int corner = 0; corner < 8; ++corner) {
-    const DVec3 offset((corner & 1) ? group.bounds.max.x : group.bounds.min.x,
-                       (corner & 2) ? group.bounds.max.y : group.bounds.min.y,
-                       (corner & 4) ? group.bounds.max.z : group.bounds.min.z);
-    const DVec3 p = map.FromOffset(offset);
+    const DVec3 p = map.FromOffset(CornerOf(group.bounds, corner));
     beyond[0] &= p.x < 0;
     beyond[1] &= p.x > p.z;
     beyond[2] &= p.y < 0;
@@ -44,7 +46,8 @@ DVec3 VertexOffset(const OccluderSet& occluders, uint32_t vertex) {
 
 }  // namespace
 
-void HardShadow::Draw(const OccluderSet& occluders, const ReceiverTransform& map,
+void HardShadow::Draw(const OccluderSet& occluders, const SeenOutlines& seen,
+                      const LightSample& sample, const ReceiverTransform& map,
                       const TexelWindow& window, ShadowBitmap& bitmap) {
   projection_ = ScaleToTexels(map, receiver_);
   const double near_height = (1.0 - kNearLightW) * std::abs(map.sample_height());
@@ -66,9 +69,46 @@ void HardShadow::Draw(const OccluderSet& occluders, const ReceiverTransform& map
     } else if (near_light) {
       end_run(g);
       DrawRun(occluders, g, g + 1, true, map, window, bitmap);
+    } else if (group.outline && IsInGuardBand(group, map, window)) {
+      end_run(g);
+      FlagOutline(occluders, group, seen[g] ? *seen[g] : *group.outline->edges, sample, window);
     }
   }
   end_run(occluders.groups.size());
+  if (flags_) FillFromFlags(window, *flags_, bitmap);
+}
+
+bool HardShadow::IsInGuardBand(const OccluderGroup& group, const ReceiverTransform& map,
+                               const TexelWindow& window) const {
+  // As the kernels have it, less what rounding may make of a corner.
+  const double guard = kGuardBand - 1;
+  for (int corner = 0; corner < 8; ++corner) {
+    const DVec3 p = map.FromOffset(CornerOf(group.bounds, corner));
+    const double column = receiver_.width * p.x, row = receiver_.height * p.y;
+    if (!(p.z >= kNearLightW && column >= -guard * p.z && column <= (window.width + guard) * p.z &&
+          row >= (window.row_begin - guard) * p.z && row <= (window.row_end + guard) * p.z)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+EdgeFlags& HardShadow::FlagsFor(const TexelWindow& window) {
+  if (!flags_) flags_.emplace(window.width, window.row_end - window.row_begin);
+  return *flags_;
+}
+
+void HardShadow::FlagOutline(const OccluderSet& occluders, const OccluderGroup& group,
+                             const SilhouetteEdges& edges, const LightSample& sample,
+                             const TexelWindow& window) {
+  const Outline& outline = *group.outline;
+  outline_.Clear();
+  const DVec4 seen_from(DVec3(sample.point), sample.at_infinity ? 0.0 : 1.0);
+  edges.Find(outline.mesh_from_world * seen_from, outline_);
+  const uint32_t first = group.first_vertex;
+  FlagEdges({&occluders.x[first], &occluders.y[first], &occluders.z[first]},
+            {outline_.from.data(), outline_.to.data(), outline_.weight.data(), outline_.count},
+            outline.sign, projection_, window, FlagsFor(window));
 }
 
 void HardShadow::DrawRun(const OccluderSet& occluders, size_t begin, size_t end, bool near_light,
@@ -88,7 +128,11 @@ void HardShadow::DrawRun(const OccluderSet& occluders, size_t begin, size_t end,
                                last.first_triangle + last.triangle_count - t,
                                first.first_vertex};
   deferred_.clear();
-  DrawTriangles(projected_, triangles, window, near_light, bitmap, deferred_);
+  if (method_ == VisibilityMethod::kEdgeFlag) {
+    FlagTriangles(projected_, triangles, window, near_light, FlagsFor(window), deferred_);
+  } else {
+    DrawTriangles(projected_, triangles, window, near_light, bitmap, deferred_);
+  }
   for (const uint32_t triangle : deferred_) {
     DrawCarefully(occluders, t + triangle, nullptr, map, window, bitmap);
   }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "render/math/parallel_for.h"
 #include "render/technique/soft_texture/coverage_kernel.h"
 
 namespace penumbra {
@@ -19,12 +20,14 @@ struct Corner {
 // Appends one instance after another to a set.
 class SetBuilder {
  public:
-  SetBuilder(const Parallelogram& patch, int side, double surface_offset)
+  SetBuilder(const Parallelogram& patch, int side, double surface_offset,
+             const OutlineRule& outlines)
       : origin_(patch.origin),
         up_(glm::normalize(glm::cross(DVec3(patch.edge_u), DVec3(patch.edge_v))) *
             static_cast<double>(side)),
         side_(side),
-        surface_offset_(surface_offset) {}
+        surface_offset_(surface_offset),
+        outlines_(outlines) {}
 
   void Add(const std::shared_ptr<const Instance>& instance) {
     const Mesh& mesh = *instance->mesh;
@@ -53,10 +56,13 @@ class SetBuilder {
               .masked = masked ? instance : nullptr};
     const bool cut = !(lowest > surface_offset_);
     const float facing = Facing(*instance, cut);
-    if (cut) {
+    // Of many vertices most belong to no triangle; one by one only those that do are copied.
+    const bool has_loose_vertices = mesh.vertex_count() > mesh.indices().size();
+    if (cut || has_loose_vertices) {
       AddCutTriangles(mesh.indices(), facing);
     } else {
       AddWholeTriangles(mesh.indices(), facing);
+      group_.outline = OutlineOf(*instance);
     }
     group_.vertex_count = static_cast<uint32_t>(set_.x.size()) - group_.first_vertex;
     group_.triangle_count = static_cast<uint32_t>(set_.corner0.size()) - group_.first_triangle;
@@ -74,11 +80,26 @@ class SetBuilder {
   }
 
  private:
+  std::optional<Outline> OutlineOf(const Instance& instance) const {
+    if (instance.alpha_mask || instance.mesh->triangle_count() < outlines_.min_triangles) return {};
+    DMat4 world_from_mesh(1.0);
+    for (int column = 0; column < 4; ++column) {
+      world_from_mesh[column] = DVec4(DVec3(instance.world_from_mesh[column]), column == 3);
+    }
+    const DMat4 mesh_from_world = glm::inverse(world_from_mesh);
+    const double det = glm::determinant(world_from_mesh);
+    for (int column = 0; column < 4; ++column) {
+      // Flat, or so nearly that its inverse says nothing.
+      if (!(glm::length(mesh_from_world[column]) < 1e12)) return {};
+    }
+    return Outline{.mesh = instance.mesh,
+                   .edges = &instance.mesh->silhouette_edges(),
+                   .mesh_from_world = mesh_from_world,
+                   .sign = (det > 0) == (side_ > 0) ? -1 : 1};
+  }
+
   float Facing(const Instance& instance, bool cut) const {
-    const MeshClosure closure = instance.mesh->closure();
-    const bool one_side_is_enough =
-        closure == MeshClosure::kClosedOutward || (closure == MeshClosure::kClosed && !cut);
-    if (instance.alpha_mask || !one_side_is_enough) return 0;
+    if (instance.alpha_mask || cut || instance.mesh->closure() == MeshClosure::kOpen) return 0;
     const Affine& m = instance.world_from_mesh;
     const double det = glm::dot(DVec3(m[0]), glm::cross(DVec3(m[1]), DVec3(m[2])));
     if (det == 0) return 0;
@@ -141,19 +162,58 @@ class SetBuilder {
   DVec3 origin_, up_;
   int side_;
   double surface_offset_;
+  OutlineRule outlines_;
   bool keep_uv_ = false;
   std::vector<Corner> corners_;
   OccluderGroup group_;
   OccluderSet set_;
 };
 
+// Fewer edges are looked at for every sample sooner than once for all.
+constexpr size_t kEdgesWorthSelecting = 1024;
+
+// A ball around the samples as the mesh sees them.
+ViewBall BallAround(std::span<const LightSample> samples, const DMat4& mesh_from_world) {
+  const auto in_mesh = [&](const LightSample& sample) {
+    return mesh_from_world * DVec4(DVec3(sample.point), sample.at_infinity ? 0.0 : 1.0);
+  };
+  ViewBall ball;
+  for (const LightSample& sample : samples) ball.center += in_mesh(sample);
+  ball.center /= static_cast<double>(samples.size());
+  for (const LightSample& sample : samples) {
+    ball.radius = std::max(ball.radius, glm::length(DVec3(in_mesh(sample) - ball.center)));
+  }
+  return ball;
+}
+
 }  // namespace
 
+SeenOutlines OutlinesSeenFrom(const OccluderSet& occluders, std::span<const LightSample> samples,
+                              tbb::task_arena& arena) {
+  SeenOutlines seen(occluders.groups.size());
+  std::vector<size_t> worth;
+  for (size_t g = 0; g < seen.size() && samples.size() > 1; ++g) {
+    const std::optional<Outline>& outline = occluders.groups[g].outline;
+    if (outline && outline->edges->shared_edge_count() >= kEdgesWorthSelecting) worth.push_back(g);
+  }
+  if (worth.empty()) return seen;
+  RunIn(arena, [&] {
+    ParallelFor(worth.size(), [&](size_t i) {
+      const Outline& outline = *occluders.groups[worth[i]].outline;
+      seen[worth[i]] = std::make_unique<const SilhouetteEdges>(
+          outline.edges->SeenFrom(BallAround(samples, outline.mesh_from_world)));
+    });
+  });
+  return seen;
+}
+
 OccluderSet PrepareOccluders(const Scene& scene, const Parallelogram& patch, int side,
-                             double surface_offset) {
-  SetBuilder builder(patch, side, surface_offset);
+                             double surface_offset, const OutlineRule& outlines,
+                             const CasterFilter& casters, const std::stop_token& stop) {
+  SetBuilder builder(patch, side, surface_offset, outlines);
   for (const auto& [id, instance] : scene.instances()) {
-    if (instance->casts) builder.Add(instance);
+    if (stop.stop_requested()) break;
+    if (instance->casts && (!casters || casters(id))) builder.Add(instance);
   }
   return builder.Take();
 }

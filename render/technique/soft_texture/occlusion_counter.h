@@ -17,8 +17,10 @@
 #include "render/scene/receiver.h"
 #include "render/scene/scene.h"
 #include "render/technique/soft_texture/coverage_kernel.h"
+#include "render/technique/soft_texture/kept_shadows.h"
 #include "render/technique/soft_texture/occluder_set.h"
 #include "render/technique/soft_texture/receiver_transform.h"
+#include "render/technique/soft_texture/soft_texture_params.h"
 #include "tbb/task_arena.h"
 
 namespace penumbra {
@@ -26,8 +28,16 @@ namespace penumbra {
 class OcclusionCounter {
  public:
   // Occluders within `surface_offset` metres of the receiver's plane do not count, nor does a
-  // sample that is as near to it: it hides from nothing and sheds no light.
-  OcclusionCounter(const Scene& scene, const ReceiverPatch& receiver, double surface_offset);
+  // sample that is as near to it: nothing hides it.
+  //
+  // `casters`  which instances to draw
+  OcclusionCounter(const Scene& scene, const ReceiverPatch& receiver, double surface_offset,
+                   VisibilityMethod method, CasterFilter casters = {});
+
+  // From now on each sample's shadow is also put into `shadows`, at the sample's number.
+  void StoreIn(SampleShadows& shadows) { stored_in_ = &shadows; }
+  // From now on what is hidden in `shadows` does not count.
+  void CountBeyond(const SampleShadows& shadows) { beyond_ = &shadows; }
 
   // Adds what hides `samples`. The result depends on neither the arena's size nor how samples are
   // split into calls.
@@ -43,19 +53,29 @@ class OcclusionCounter {
  private:
   // A sample's map, and the occluders on its side of the receiver.
   struct Job {
+    uint32_t number;  // of the sample, over all calls of Add
+    LightSample sample;
     ReceiverTransform map;
     const OccluderSet* occluders;
+    int side;  // 0: in front of the receiver, 1: behind it
   };
 
-  const OccluderSet& OccludersOn(int side);
-  std::vector<Job> JobsFor(std::span<const LightSample> samples);
+  const OccluderSet& OccludersOn(int side, const std::stop_token& stop);
+  std::vector<Job> JobsFor(std::span<const LightSample> samples, const std::stop_token& stop);
+  std::array<SeenOutlines, 2> OutlinesFor(const std::vector<Job>& jobs,
+                                          tbb::task_arena& arena) const;
   // Adds all jobs to the counts of the window's rows; leaves them as they are once stopped.
-  void AddBand(const std::vector<Job>& jobs, const TexelWindow& window, int worker_count,
-               const std::stop_token& stop);
+  void AddBand(const std::vector<Job>& jobs, const std::array<SeenOutlines, 2>& outlines,
+               const TexelWindow& window, int worker_count, const std::stop_token& stop);
 
   const Scene& scene_;
   ReceiverPatch receiver_;
   double surface_offset_;
+  VisibilityMethod method_;
+  CasterFilter casters_;
+  SampleShadows* stored_in_ = nullptr;
+  const SampleShadows* beyond_ = nullptr;
+  uint32_t added_ = 0;  // samples so far
   std::array<std::unique_ptr<OccluderSet>, 2>
       occluders_;  // on the front, on the back; made on first use
   std::vector<uint16_t> counts_;

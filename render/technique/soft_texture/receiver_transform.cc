@@ -4,6 +4,13 @@
 #include <limits>
 
 namespace penumbra {
+namespace {
+
+// The sine of the angle to the receiver's plane below which a direction lies in it: what single
+// precision leaves of a unit vector's component.
+constexpr double kGrazingSine = 0x1.0p-19;
+
+}  // namespace
 
 std::optional<ReceiverTransform> ReceiverTransform::Create(const Parallelogram& patch,
                                                            const LightSample& sample,
@@ -12,7 +19,7 @@ std::optional<ReceiverTransform> ReceiverTransform::Create(const Parallelogram& 
   const DVec3 front = glm::normalize(glm::cross(e_x, e_y));
   const DVec3 e_w = sample.at_infinity ? -point : b - point;
   const double height = -glm::dot(front, e_w);
-  if (std::abs(height) <= min_height) return std::nullopt;
+  if (std::abs(height) <= (sample.at_infinity ? kGrazingSine : min_height)) return std::nullopt;
 
   const DVec3 n_x = glm::cross(e_w, e_y);
   const DVec3 n_y = glm::cross(e_x, e_w);

@@ -27,7 +27,7 @@ namespace penumbra {
 class ReceiverTransform {
  public:
   // nullopt where there is no pyramid: the sample lies in the receiver's plane to within
-  // `min_height` (metres; for directions, to within that many metres per metre).
+  // `min_height` metres, or, a direction, to within 2⁻¹⁹ of a radian.
   static std::optional<ReceiverTransform> Create(const Parallelogram& patch,
                                                  const LightSample& sample, double min_height);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -16,8 +17,6 @@ namespace {
 // The first artifact comes after this many samples, each later one after this many times more.
 constexpr uint32_t kFirstPassSamples = 8;
 constexpr uint32_t kPassGrowth = 8;
-
-constexpr uint32_t kMaxSamples = 1024;
 
 // Coordinates carry 24 bits. What lies in the receiver's plane is off it by a few units in the last
 // place of the largest coordinate; 32 of them are still a twentieth of a millimetre for a building
@@ -77,9 +76,19 @@ class Computation {
         receiver_(receiver),
         light_(std::move(light)),
         surface_offset_(SurfaceOffset(receiver.patch)),
-        samples_(SampleLight(*light_, ParamsOf(spec).samples, ParamsOf(spec).seed,
-                             receiver.patch.At(Vec2(0.5f)))),
-        counter_(scene, receiver_, surface_offset_) {
+        plan_(Plan(scene)),
+        samples_(plan_.base_is_drawn
+                     ? plan_.base->samples
+                     : SampleLight(*light_, ParamsOf(spec).samples, ParamsOf(spec).seed,
+                                   receiver.patch.At(Vec2(0.5f)))),
+        moving_(scene, receiver_, surface_offset_, ParamsOf(spec).method, CastersOf(true)) {
+    if (plan_.base) {
+      moving_.CountBeyond(plan_.base->shadows);
+      if (!plan_.base_is_drawn) {
+        still_.emplace(scene, receiver_, surface_offset_, ParamsOf(spec).method, CastersOf(false));
+        still_->StoreIn(plan_.base->shadows);
+      }
+    }
     header_.scene_id = scene.id();
     header_.revision = scene.revision();
     header_.scene_hash = scene.content_hash();
@@ -97,26 +106,64 @@ class Computation {
     const auto n = static_cast<uint32_t>(samples_.size());
     uint32_t done = 0;
     for (uint32_t pass = 0; done < n; ++pass) {
-      const uint32_t upto = context_.progress ? SamplesAfterPass(pass, n) : n;
-      const auto status = counter_.Add(std::span(samples_).subspan(done, upto - done),
-                                       context_.arena, context_.stop);
+      const uint32_t upto =
+          context_.progress && !plan_.base_is_drawn ? SamplesAfterPass(pass, n) : n;
+      const auto added = std::span(samples_).subspan(done, upto - done);
+      if (still_) {
+        const auto status = still_->Add(added, context_.arena, context_.stop);
+        if (!status.ok()) return status;
+      }
+      const auto status = moving_.Add(added, context_.arena, context_.stop);
       if (!status.ok()) return status;
       done = upto;
       header_.pass = pass;
       if (done < n) context_.progress(MakeArtifact(done));
     }
-    return MakeArtifact(n);
+    if (still_) {
+      plan_.base->counts = still_->counts();
+      plan_.base->samples = samples_;
+    }
+    Artifact artifact = MakeArtifact(n);
+    if (context_.stop.stop_requested()) return absl::CancelledError("stop requested");
+    return artifact;
   }
 
  private:
+  ShadowPlan Plan(const Scene& scene) const {
+    if (!context_.memory) return {};
+    return PlanShadows(*context_.memory, {receiver_, *light_, ParamsOf(spec_)}, scene);
+  }
+  CasterFilter CastersOf(bool moving) const {
+    if (!plan_.base) return {};
+    return [&ids = plan_.base->moving, moving](const std::string& id) {
+      return ids.contains(id) == moving;
+    };
+  }
+
+  std::vector<uint16_t> VisibleCounts(uint32_t done) const {
+    const auto all = static_cast<uint16_t>(done);
+    const std::vector<uint16_t>& hidden = moving_.counts();
+    std::vector<uint16_t> visible(hidden.size());
+    const auto beyond = [all](uint16_t a, uint16_t b) {
+      return static_cast<uint16_t>(all - a - b);
+    };
+    if (plan_.base) {
+      const std::vector<uint16_t>& base = still_ ? still_->counts() : plan_.base->counts;
+      std::transform(hidden.begin(), hidden.end(), base.begin(), visible.begin(), beyond);
+    } else {
+      std::transform(hidden.begin(), hidden.end(), visible.begin(),
+                     [&](uint16_t a) { return beyond(a, 0); });
+    }
+    return visible;
+  }
+
   Artifact MakeArtifact(uint32_t done) {
     SoftShadowTexture texture{
         .receiver = receiver_, .light = *light_, .visibility = {}, .radiance = {}};
-    texture.visibility = {receiver_.width, receiver_.height, done, counter_.counts()};
-    for (uint16_t& count : texture.visibility.counts) count = static_cast<uint16_t>(done - count);
+    texture.visibility = {receiver_.width, receiver_.height, done, VisibleCounts(done)};
     if (ParamsOf(spec_).radiance) {
       const Stopwatch shading(context_.now_ms);
-      RunIn(context_.arena, [&] { texture.radiance = ReflectedRadiance(texture); });
+      RunIn(context_.arena, [&] { texture.radiance = ReflectedRadiance(texture, context_.stop); });
       header_.timings_ms["shading"] = shading.ElapsedMs();
     }
     header_.light_samples.assign(samples_.begin(), samples_.begin() + done);
@@ -134,8 +181,12 @@ class Computation {
   ReceiverPatch receiver_;
   std::shared_ptr<const AreaLight> light_;
   double surface_offset_;
+  ShadowPlan plan_;
   std::vector<LightSample> samples_;
-  OcclusionCounter counter_;
+  // What is drawn over the base, or everything where there is none; and the base, where it is to be
+  // drawn.
+  OcclusionCounter moving_;
+  std::optional<OcclusionCounter> still_;
   ArtifactHeader header_;
 };
 
@@ -143,9 +194,10 @@ class Computation {
 
 absl::Status SoftTexture::Check(const Scene& scene, const ArtifactSpec& spec) const {
   const uint32_t samples = ParamsOf(spec).samples;
-  if (samples < 1 || samples > kMaxSamples) {
-    return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "soft_texture.samples",
-                      absl::StrCat("found ", samples, ", need 1 to ", kMaxSamples));
+  if (samples < 1 || samples > SceneLimits{}.max_light_samples) {
+    return FieldError(
+        absl::StatusCode::kInvalidArgument, "RANGE", "soft_texture.samples",
+        absl::StrCat("found ", samples, ", need 1 to ", SceneLimits{}.max_light_samples));
   }
   if (!scene.FindLight(spec.light_id)) {
     return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "light_id",

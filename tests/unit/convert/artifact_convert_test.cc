@@ -180,6 +180,10 @@ TEST(ArtifactAssemblerTest, WhatDoesNotAddUpIsAnError) {
   bad.mutable_tiles()->RemoveLast();
   EXPECT_EQ(ErrorReason(ArtifactAssembler().Add(bad).status()), "INCOMPLETE");
   bad = whole;
+  ASSERT_GT(bad.tiles_size(), 1);
+  *bad.mutable_tiles(1) = bad.tiles(0);  // as many as there have to be
+  EXPECT_EQ(ErrorReason(ArtifactAssembler().Add(bad).status()), "INCOMPLETE");
+  bad = whole;
   bad.clear_header();
   EXPECT_EQ(ErrorReason(ArtifactAssembler().Add(bad).status()), "INCOMPLETE");
   bad = whole;

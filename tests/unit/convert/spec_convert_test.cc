@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "absl/strings/ascii.h"
 #include "render/scene/field_error.h"
 
 namespace penumbra {
@@ -20,11 +23,26 @@ TEST(SpecConvertTest, EveryTechniqueGoesThereAndBack) {
       .light_id = "l",
       .receiver_id = "r"};
   EXPECT_EQ(*FromProto(ToProto(spec)), spec);
+  for (const std::string_view name : kVisibilityMethodNames) {
+    ArtifactSpec by_method = spec;
+    std::get<SoftTextureParams>(by_method.params).method = *VisibilityMethodNamed(name);
+    EXPECT_EQ(*FromProto(ToProto(by_method)), by_method);
+    EXPECT_EQ(v1::VisibilityMethod_Name(ToProto(by_method).soft_texture().method()),
+              "VISIBILITY_METHOD_" + absl::AsciiStrToUpper({name.data(), name.size()}));
+  }
+}
+
+TEST(SpecConvertTest, AnUnknownMethodIsRefused) {
+  v1::ArtifactSpec proto;
+  proto.mutable_soft_texture()->set_method(static_cast<v1::VisibilityMethod>(99));
+  EXPECT_EQ(ErrorFieldPath(FromProto(proto).status()), "spec.soft_texture.method");
 }
 
 TEST(SpecConvertTest, AbsentParametersAreTheDefaults) {
   v1::ArtifactSpec proto;
   proto.mutable_soft_texture();
+  proto.set_light_id("l");
+  proto.set_receiver_id("r");
   EXPECT_EQ(FromProto(proto)->params, TechniqueParams(SoftTextureParams{}));
 }
 
@@ -33,6 +51,22 @@ TEST(SpecConvertTest, NoTechniqueIsAnErrorThatNamesThem) {
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(ErrorReason(status), "UNKNOWN_TECHNIQUE");
   EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("soft_texture"));
+}
+
+TEST(SpecConvertTest, IdsThatNoObjectCanHaveAreRefused) {
+  const ArtifactSpec good{.params = SoftTextureParams{}, .light_id = "l", .receiver_id = "r"};
+  for (const std::string& bad : {std::string(), std::string(900'000, 'x'), std::string("a b")}) {
+    ArtifactSpec spec = good;
+    spec.light_id = bad;
+    auto status = FromProto(ToProto(spec)).status();
+    EXPECT_EQ(ErrorReason(status), "BAD_ID");
+    EXPECT_EQ(ErrorFieldPath(status), "spec.light_id");
+    spec = good;
+    spec.receiver_id = bad;
+    status = FromProto(ToProto(spec)).status();
+    EXPECT_EQ(ErrorReason(status), "BAD_ID");
+    EXPECT_EQ(ErrorFieldPath(status), "spec.receiver_id");
+  }
 }
 
 TEST(SpecConvertTest, TechniquesAreDescribedWhole) {

@@ -82,5 +82,13 @@ TEST_F(ReceiverTransformTest, HasNoPyramidForALightInThePlane) {
       ReceiverTransform::Create(floor, {.point = Vec3(1, 0, 0), .at_infinity = true}, 1e-5));
 }
 
+// Far from the origin occluders near the plane do not count; that says nothing of the sun's angle.
+TEST_F(ReceiverTransformTest, ALowSunHasAPyramidHoweverThickThePlane) {
+  const Parallelogram floor{
+      .origin = Vec3(5e6f, 0, 0), .edge_u = Vec3(9, 0, 0), .edge_v = Vec3(0, 0, -9)};
+  const LightSample low_sun{.point = glm::normalize(Vec3(1, 1e-3f, 0)), .at_infinity = true};
+  EXPECT_TRUE(ReceiverTransform::Create(floor, low_sun, 9.5));
+}
+
 }  // namespace
 }  // namespace penumbra
