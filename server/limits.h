@@ -27,13 +27,13 @@ struct ServerLimits {
   // Elements are sub-messages, strings and byte fields. Protobuf spends about 150 bytes on an empty
   // one that takes 2 bytes on the wire; an honest message has 25 bytes an element and more.
   uint32_t min_bytes_per_element = 16;
-  uint32_t always_allowed_elements = 16'384;  // 2.5 MB when parsed
+  uint32_t always_allowed_elements = 66'000;  // 10 MB when parsed; a full scene's removals
 
   // The largest mesh that the scene's limits allow, with normals and uvs, takes 704 MB.
   uint64_t max_blob_bytes = uint64_t{1} << 30;
   // All blobs together, uploads in progress included.
   uint64_t max_blob_store_bytes = uint64_t{4} << 30;
-  // 32 bytes each: half a message.
+  // 32 bytes each: half a message. As many blobs come in one upload.
   uint32_t max_hashes_per_request = 16'384;
   // A blob that was asked for or uploaded is kept this long without a scene that uses it.
   std::chrono::seconds unused_blob_lifetime{60};

@@ -1,5 +1,6 @@
 #include "server/listen_address.h"
 
+#include <arpa/inet.h>
 #include <netdb.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -7,6 +8,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -41,6 +43,13 @@ bool IsPort(const std::string& text) {
   const char* end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data(), end, port);
   return parsed.ec == std::errc() && parsed.ptr == end && port <= 65'535;
+}
+
+// By the bytes: a name such as 127.example.org can stand for any address.
+bool IsLoopback(const std::string& host) {
+  if (host == "localhost" || host == "::1") return true;
+  uint8_t octets[4];
+  return ::inet_pton(AF_INET, host.c_str(), octets) == 1 && octets[0] == 127;
 }
 
 struct Descriptor {
@@ -98,10 +107,7 @@ absl::Status CheckListenAddress(const std::string& address) {
   const bool is_unix = address.starts_with(kUnixPrefix) && address.size() > kUnixPrefix.size();
   if (is_unix) return absl::OkStatus();
   const auto parts = Split(address);
-  if (parts && IsPort(parts->port) &&
-      (parts->host == "localhost" || parts->host == "::1" || parts->host.starts_with("127."))) {
-    return absl::OkStatus();
-  }
+  if (parts && IsPort(parts->port) && IsLoopback(parts->host)) return absl::OkStatus();
   return FieldError(absl::StatusCode::kInvalidArgument, "BAD_ADDRESS", "listen",
                     "found '" + address +
                         "', need a loopback address and port such as 127.0.0.1:7717, or unix:PATH");

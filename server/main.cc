@@ -7,8 +7,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include "google/protobuf/stubs/logging.h"
@@ -55,6 +57,13 @@ bool WriteAddress(const std::string& file, const std::string& address) {
   return out.good();
 }
 
+// A file only: the address may go to a terminal or a pipe.
+void RemoveAddress(const std::string& file) {
+  std::error_code error;
+  const auto status = std::filesystem::symlink_status(file, error);
+  if (std::filesystem::is_regular_file(status)) std::filesystem::remove(file, error);
+}
+
 int Fail(const std::string& message) {
   std::fprintf(stderr, "penumbrad: %s\n", message.c_str());
   return EXIT_FAILURE;
@@ -62,6 +71,8 @@ int Fail(const std::string& message) {
 
 int Serve(const CommandLine& command) {
   const sigset_t signals = BlockEndingSignals();
+  // That of an earlier server would send clients nowhere.
+  RemoveAddress(command.address_file);
   auto server = PenumbraServer::Start(command.server);
   if (!server.ok()) return Fail(std::string(server.status().message()));
   if (!command.address_file.empty() && !WriteAddress(command.address_file, (*server)->address())) {
@@ -77,6 +88,7 @@ int Serve(const CommandLine& command) {
                command.drain_seconds);
   std::thread([signals] { _exit(128 + WaitFor(signals)); }).detach();
   (*server)->Shutdown(std::chrono::seconds(command.drain_seconds));
+  RemoveAddress(command.address_file);
   return EXIT_SUCCESS;
 }
 
@@ -97,7 +109,7 @@ void AddOptions(CLI::App& app, CommandLine& command) {
       ->check(CLI::Range(0, 3600))
       ->capture_default_str();
   app.add_option("--address-file", command.address_file,
-                 "Write the address to this file once the server listens");
+                 "Write the address to this file once the server listens; removed when it ends");
   app.set_version_flag("--version", kServerName);
 }
 

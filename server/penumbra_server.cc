@@ -63,13 +63,14 @@ struct PenumbraServer::Parts {
 
   const ServerLimits limits;
   ServerCounters counters;
+  StreamServices stream_services{counters};
   LocalEngine engine;
   const absl::StatusOr<std::unique_ptr<gl::Worker>> gl_worker;
   BlobStore blobs{limits};
   SceneStore scenes{engine, limits, counters};
-  StreamTable streams{engine, counters};
+  StreamTable streams{engine, stream_services};
   SessionTable sessions{limits};
-  WorkerPool blob_workers{kBlobWorkers};
+  WorkerPool blob_workers{{kBlobWorkers}};
   PenumbraService service{ServiceParts{.sessions = {.scenes = scenes,
                                                     .blobs = blobs,
                                                     .streams = streams,
@@ -77,7 +78,7 @@ struct PenumbraServer::Parts {
                                                     .counters = counters},
                                        .session_table = sessions,
                                        .engine = engine,
-                                       .blob_workers = blob_workers,
+                                       .blob_workers = blob_workers.lane(0),
                                        .gl_info = [this] { return GlInfoOf(gl_worker); },
                                        .started = std::chrono::steady_clock::now()}};
   std::string address;

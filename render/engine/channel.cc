@@ -10,7 +10,10 @@
 namespace penumbra {
 
 Channel::Channel(ArtifactSpec spec, const Technique& technique, const JobResources& resources)
-    : spec_(std::move(spec)), technique_(technique), resources_(resources) {}
+    : spec_(std::move(spec)),
+      technique_(technique),
+      resources_(resources),
+      memory_{resources.kept, nullptr} {}
 
 void Channel::Add(std::shared_ptr<Subscriber> subscriber, std::shared_ptr<const Scene> scene) {
   std::lock_guard lock(mutex_);
@@ -38,7 +41,7 @@ void Channel::OnCommit(std::shared_ptr<const Scene> after, SceneChange& change) 
     head_ = std::move(after);
     if (ended_ || queued_) return;  // the job that waits will take the head
     const bool is_error = newest_ && !newest_->status.ok();
-    if ((is_error && !job_) || change.Affects(spec_)) {
+    if ((is_error && !job_) || change.Affects(spec_, region_)) {
       newest_is_stale_ = true;
       if (!job_) {
         Enqueue();
@@ -72,11 +75,16 @@ void Channel::End(const absl::Status& reason) {
 
 void Channel::Enqueue() {
   queued_ = true;
-  resources_.runners.Post([self = shared_from_this()] { self->RunJob(); });
+  resources_.jobs.Post([self = shared_from_this()] { self->RunJob(); });
 }
 
 void Channel::Publish(ArtifactUpdate update) {
   for (const auto& subscriber : subscribers_) subscriber->Offer(update);
+  newest_ = std::move(update);
+}
+
+void Channel::PublishLast(ArtifactUpdate update) {
+  for (const auto& subscriber : subscribers_) subscriber->OfferNext(update);
   newest_ = std::move(update);
 }
 
@@ -92,20 +100,24 @@ void Channel::RunJob() {
     stop = job.stop.get_token();
   }
   ++resources_.counters.jobs_started;
-  absl::StatusOr<Artifact> result = Compute(*scene, stop);
+  auto result = Compute(*scene, stop);
   std::lock_guard lock(mutex_);
   const Job job = *std::exchange(job_, std::nullopt);
   Finish(job, std::move(result));
 }
 
-absl::StatusOr<Artifact> Channel::Compute(const Scene& scene, std::stop_token stop) {
+absl::StatusOr<std::shared_ptr<const Artifact>> Channel::Compute(const Scene& scene,
+                                                                 std::stop_token stop) {
   const ComputeContext context{.arena = resources_.arena,
                                .gl = nullptr,
                                .stop = std::move(stop),
                                .progress = [this](Artifact pass) { OnPass(std::move(pass)); },
-                               .now_ms = resources_.now_ms};
+                               .now_ms = resources_.now_ms,
+                               .memory = &memory_};
   try {
-    return technique_.Compute(scene, spec_, context);
+    absl::StatusOr<Artifact> artifact = technique_.Compute(scene, spec_, context);
+    if (!artifact.ok()) return artifact.status();
+    return std::make_shared<const Artifact>(*std::move(artifact));
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(
         absl::StrCat(std::string(technique_.info().name), ": out of memory"));
@@ -130,7 +142,7 @@ void Channel::OnPass(Artifact artifact) {
   if (stop) stop->request_stop();
 }
 
-void Channel::Finish(const Job& job, absl::StatusOr<Artifact> result) {
+void Channel::Finish(const Job& job, absl::StatusOr<std::shared_ptr<const Artifact>> result) {
   EngineCounters& counters = resources_.counters;
   const bool superseded_and_shown = job.superseded && job.published;
   if (ended_ || superseded_and_shown || (job.superseded && absl::IsCancelled(result.status()))) {
@@ -138,14 +150,13 @@ void Channel::Finish(const Job& job, absl::StatusOr<Artifact> result) {
   } else if (!result.ok()) {
     ++counters.jobs_failed;
     newest_is_stale_ = job.superseded;
-    Publish({job.holds_until, result.status(), nullptr});
+    PublishLast({job.holds_until, result.status(), nullptr});
   } else {
     ++counters.jobs_finished;
     ++counters.artifacts_published;
     if (!job.published) ++counters.first_passes;
     newest_is_stale_ = job.superseded;
-    Publish(
-        {job.holds_until, absl::OkStatus(), std::make_shared<const Artifact>(*std::move(result))});
+    PublishLast({job.holds_until, absl::OkStatus(), *std::move(result)});
   }
   // Commits that do not affect an artifact may still mend an error.
   const bool may_be_mended = !result.ok() && head_ != job.scene;

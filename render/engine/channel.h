@@ -27,10 +27,11 @@ namespace penumbra {
 
 // What jobs run on. Outlives the jobs, not the channels.
 struct JobResources {
-  WorkerPool& runners;
+  WorkerPool::Lane& jobs;
   tbb::task_arena& arena;
   MonotonicClock now_ms;
   EngineCounters& counters;
+  MemoryBudget& kept;  // for what techniques keep between jobs
 };
 
 class Channel : public std::enable_shared_from_this<Channel> {
@@ -61,11 +62,12 @@ class Channel : public std::enable_shared_from_this<Channel> {
 
   void Enqueue();  // with the lock held, as for all of these
   void Publish(ArtifactUpdate update);
-  void Finish(const Job& job, absl::StatusOr<Artifact> result);
+  void PublishLast(ArtifactUpdate update);  // as the last thing that a job does
+  void Finish(const Job& job, absl::StatusOr<std::shared_ptr<const Artifact>> result);
 
   void RunJob();
   void OnPass(Artifact artifact);
-  absl::StatusOr<Artifact> Compute(const Scene& scene, std::stop_token stop);
+  absl::StatusOr<std::shared_ptr<const Artifact>> Compute(const Scene& scene, std::stop_token stop);
 
   const ArtifactSpec spec_;
   const Technique& technique_;
@@ -73,12 +75,14 @@ class Channel : public std::enable_shared_from_this<Channel> {
 
   std::mutex mutex_;
   std::shared_ptr<const Scene> head_;
+  KnownShadowRegion region_;
   std::vector<std::shared_ptr<Subscriber>> subscribers_;
   std::optional<ArtifactUpdate> newest_;  // last published
   bool newest_is_stale_ = false;          // a commit has affected it since
   bool queued_ = false;
   bool ended_ = false;
   std::optional<Job> job_;  // the one that runs
+  TechniqueMemory memory_;  // the running job's
 };
 
 }  // namespace penumbra

@@ -14,6 +14,26 @@ bool DependsOnScene(const absl::Status& status) {
          absl::IsInvalidArgument(status);
 }
 
+// The first that anyone settles on.
+class Answer {
+ public:
+  void Settle(absl::StatusOr<std::shared_ptr<const Artifact>> value) {
+    std::lock_guard lock(mutex_);
+    if (!value_) value_ = std::move(value);
+    came_.notify_all();
+  }
+  void Await() {
+    std::unique_lock lock(mutex_);
+    came_.wait(lock, [this] { return value_.has_value(); });
+  }
+  absl::StatusOr<std::shared_ptr<const Artifact>> Take() { return *std::move(value_); }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable came_;
+  std::optional<absl::StatusOr<std::shared_ptr<const Artifact>>> value_;
+};
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const Artifact>> ComputeOnce(Engine& engine,
@@ -26,33 +46,30 @@ absl::StatusOr<std::shared_ptr<const Artifact>> ComputeOnce(Engine& engine,
   // delivered first.
   const Revision wanted = (*snapshot)->revision();
 
-  std::mutex mutex;
-  std::condition_variable came;
-  std::optional<absl::StatusOr<std::shared_ptr<const Artifact>>> answer;
-  const auto settle = [&](absl::StatusOr<std::shared_ptr<const Artifact>> value) {
-    std::lock_guard lock(mutex);
-    if (!answer) answer = std::move(value);
-    came.notify_all();
-  };
+  Answer answer;
   auto subscription = engine.Subscribe(scene_id, spec, [&](const ArtifactUpdate& update) {
     const bool is_old = update.revision < wanted;
     if (!update.status.ok()) {
-      if (!is_old || !DependsOnScene(update.status)) settle(update.status);
+      if (!is_old || !DependsOnScene(update.status)) answer.Settle(update.status);
     } else if (!is_old && update.artifact->header.is_final) {
-      settle(update.artifact);
+      answer.Settle(update.artifact);
     } else if (!is_old && options.progress) {
       options.progress(*update.artifact);
     }
   });
   if (!subscription.ok()) return subscription.status();
-  const std::stop_callback on_stop(options.stop,
-                                   [&] { settle(absl::CancelledError("stop was requested")); });
-  {
-    std::unique_lock lock(mutex);
-    came.wait(lock, [&] { return answer.has_value(); });
+  const auto subscribed_to = engine.Snapshot(scene_id);
+  if (!subscribed_to.ok()) return subscribed_to.status();
+  // Another scene of this name by now, whose revisions began anew: it may never get to `wanted`.
+  if ((*subscribed_to)->revision() < wanted) {
+    subscription->reset();
+    return ComputeOnce(engine, scene_id, spec, std::move(options));
   }
+  const std::stop_callback on_stop(
+      options.stop, [&] { answer.Settle(absl::CancelledError("stop was requested")); });
+  answer.Await();
   subscription->reset();  // after this nobody touches `answer`
-  return *std::move(answer);
+  return answer.Take();
 }
 
 }  // namespace penumbra

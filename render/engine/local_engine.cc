@@ -45,19 +45,21 @@ struct LocalEngine::Threads {
   // TBB starts no more threads than the hardware has unless told to.
   tbb::global_control parallelism;
   tbb::task_arena arena;
-  WorkerPool delivery;
-  WorkerPool runners;
+  WorkerPool workers;
+
+  WorkerPool::Lane& deliveries() { return workers.lane(0); }
+  WorkerPool::Lane& jobs() { return workers.lane(1); }
 
   explicit Threads(const LocalEngineOptions& options)
       : parallelism(tbb::global_control::max_allowed_parallelism,
                     std::max(CpuThreads(options), tbb::info::default_concurrency())),
         arena(CpuThreads(options)),
-        delivery(options.delivery_threads),
-        runners(options.runner_threads) {}
+        workers({options.delivery_threads, options.runner_threads}) {}
 };
 
 LocalEngine::LocalEngine(LocalEngineOptions options)
     : options_(std::move(options)),
+      kept_(options_.max_kept_bytes),
       scenes_(std::make_unique<Scenes>()),
       threads_(std::make_unique<Threads>(options_)) {}
 
@@ -68,8 +70,7 @@ LocalEngine::~LocalEngine() {
     scenes.swap(scenes_->by_id);
   }
   for (const auto& [id, scene] : scenes) scene->End(absl::OkStatus());
-  threads_->runners.Stop();
-  threads_->delivery.Stop();
+  threads_->workers.Stop();
 }
 
 absl::Status LocalEngine::CreateScene(const std::string& scene_id) {
@@ -142,11 +143,12 @@ absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::
   const absl::Status check = technique.Check(*(*scene)->Snapshot(), spec);
   if (absl::IsInvalidArgument(check)) return check;
   auto subscriber =
-      std::make_shared<Subscriber>(std::move(callback), threads_->delivery, counters_);
-  const JobResources resources{.runners = threads_->runners,
+      std::make_shared<Subscriber>(std::move(callback), threads_->deliveries(), counters_);
+  const JobResources resources{.jobs = threads_->jobs(),
                                .arena = threads_->arena,
                                .now_ms = options_.now_ms,
-                               .counters = counters_};
+                               .counters = counters_,
+                               .kept = kept_};
   const absl::Status subscribed =
       (*scene)->Subscribe(spec, technique, resources, options_.max_artifacts_per_scene, subscriber);
   if (!subscribed.ok()) return subscribed;

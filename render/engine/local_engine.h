@@ -29,6 +29,8 @@ struct LocalEngineOptions {
   int cpu_threads = 0;       // that jobs share; 0: as many as the hardware has
   int runner_threads = 2;    // jobs that run at a time
   int delivery_threads = 2;  // callbacks that run at a time
+  // What techniques may keep in all to answer edits faster; 0: nothing.
+  size_t max_kept_bytes = size_t{256} << 20;
   SceneLimits scene_limits{};
   size_t max_scenes = 256;
   // Different artifacts (technique, parameters, light, receiver) that are followed on one scene.
@@ -71,6 +73,7 @@ class LocalEngine : public Engine {
 
   const LocalEngineOptions options_;
   EngineCounters counters_;
+  MemoryBudget kept_;
   const std::unique_ptr<Scenes> scenes_;
   const std::unique_ptr<Threads> threads_;
 };

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "render/engine/shadow_region.h"
-
 namespace penumbra {
 namespace {
 
@@ -22,22 +20,35 @@ bool SameLight(const Scene& before, const Scene& after, const std::string& id) {
   return a != nullptr && b != nullptr && (a == b || *a == *b);
 }
 
+// Whether the receiver, and the instance that it lies on, are the very same objects: then there is
+// no need to find its place twice.
+bool SharesReceiver(const Scene& before, const Scene& after, const std::string& id) {
+  const auto receiver = after.FindReceiver(id);
+  if (receiver == nullptr || before.FindReceiver(id) != receiver) return false;
+  const auto* planar = std::get_if<PlanarInstance>(&receiver->shape);
+  return planar == nullptr ||
+         before.FindInstance(planar->instance_id) == after.FindInstance(planar->instance_id);
+}
+
 }  // namespace
 
 SceneChange::SceneChange(const Scene& before, const Scene& after, const SceneDelta& delta)
     : before_(before), after_(after), delta_(delta) {}
 
-bool SceneChange::Affects(const ArtifactSpec& spec) {
+bool SceneChange::Affects(const ArtifactSpec& spec, KnownShadowRegion& region) {
   if (!SameLight(before_, after_, spec.light_id)) return true;
-  const auto patch_before = before_.ResolveReceiver(spec.receiver_id);
-  const auto patch_after = after_.ResolveReceiver(spec.receiver_id);
-  if (!patch_before.ok() || !patch_after.ok() || !(*patch_before == *patch_after)) return true;
-
+  const bool is_same_receiver = SharesReceiver(before_, after_, spec.receiver_id);
   const std::vector<Aabb>& changed = ChangedCasterBounds();
-  if (changed.empty()) return false;
-  const ShadowRegion region(*after_.FindLight(spec.light_id), patch_after->patch);
+  if (is_same_receiver && changed.empty()) return false;
+  const auto patch_after = after_.ResolveReceiver(spec.receiver_id);
+  if (!patch_after.ok()) return true;
+  if (!is_same_receiver) {
+    const auto patch_before = before_.ResolveReceiver(spec.receiver_id);
+    if (!patch_before.ok() || *patch_before != *patch_after) return true;
+  }
+  const ShadowRegion& between = region.Between(after_.FindLight(spec.light_id), patch_after->patch);
   return std::any_of(changed.begin(), changed.end(),
-                     [&region](const Aabb& box) { return region.MayMeet(box); });
+                     [&between](const Aabb& box) { return between.MayMeet(box); });
 }
 
 const std::vector<Aabb>& SceneChange::ChangedCasterBounds() {

@@ -1,12 +1,13 @@
 // What a commit changed, as far as shadows go.
 //
 //   SceneChange change(*before, *after, delta);
-//   if (change.Affects(spec)) …  // compute again
+//   if (change.Affects(spec, region)) …  // compute again
 #pragma once
 
 #include <optional>
 #include <vector>
 
+#include "render/engine/shadow_region.h"
 #include "render/math/aabb.h"
 #include "render/scene/scene.h"
 #include "render/technique/artifact_spec.h"
@@ -23,7 +24,7 @@ class SceneChange {
   // place are as they were, and whatever was added, removed or changed its shape, its place or what
   // it lets through lies outside the region between light and receiver, before and after. A colour
   // or a `receives` flag changes no artifact.
-  bool Affects(const ArtifactSpec& spec);
+  bool Affects(const ArtifactSpec& spec, KnownShadowRegion& region);
 
  private:
   const std::vector<Aabb>& ChangedCasterBounds();

@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "render/math/basis.h"
+
 namespace penumbra {
 namespace {
 
@@ -25,20 +27,13 @@ struct LightHull {
   std::vector<DVec3> edges{};
 };
 
-// Two unit vectors that make a right-handed frame with `normal`.
-std::pair<DVec3, DVec3> PlaneFrame(DVec3 normal) {
-  const DVec3 helper = std::abs(normal.x) < 0.6 ? kAxes[0] : kAxes[1];
-  const DVec3 u = glm::normalize(glm::cross(helper, normal));
-  return {u, glm::cross(normal, u)};
-}
-
 LightHull HullOf(const RectangleLight& light) {
   const DVec3 c(light.corner), u(light.edge_u), v(light.edge_v);
   return {.points = {c, c + u, c + v, c + u + v}, .directions = {}, .edges = {u, v}};
 }
 
 LightHull HullOf(const DiskLight& light) {
-  const auto [u, v] = PlaneFrame(glm::normalize(DVec3(light.normal)));
+  const auto [u, v, n] = BasisAround(DVec3(light.normal));
   const DVec3 c(light.center), ru = double{light.radius} * u, rv = double{light.radius} * v;
   return {.points = {c - ru - rv, c + ru - rv, c - ru + rv, c + ru + rv},
           .directions = {},
@@ -58,9 +53,8 @@ LightHull HullOf(const PointLight& light) { return {.points = {DVec3(light.posit
 LightHull HullOf(const SpotLight& light) { return {.points = {DVec3(light.position)}}; }
 
 LightHull HullOf(const DistantLight& light) {
-  const DVec3 axis = glm::normalize(DVec3(light.to_light));
+  const auto [u, v, axis] = BasisAround(DVec3(light.to_light));
   if (light.angular_diameter <= 0.0f) return {.points = {}, .directions = {axis}};
-  const auto [u, v] = PlaneFrame(axis);
   const double t = std::tan(0.5 * light.angular_diameter);
   LightHull hull;
   for (const DVec2 s : {DVec2(-1, -1), DVec2(1, -1), DVec2(1, 1), DVec2(-1, 1)}) {
@@ -131,6 +125,15 @@ void ShadowRegion::AddSlab(DVec3 axis, std::span<const DVec3> points,
     if (sine < -kParallelSine) slab.lo = -kInfinity;
   }
   if (slab.lo > -kInfinity || slab.hi < kInfinity) slabs_.push_back(slab);
+}
+
+const ShadowRegion& KnownShadowRegion::Between(std::shared_ptr<const AreaLight> light,
+                                               const Parallelogram& patch) {
+  if (!known_ || known_->light != light || known_->patch != patch) {
+    const ShadowRegion region(*light, patch);
+    known_.emplace(Known{std::move(light), patch, region});
+  }
+  return known_->region;
 }
 
 bool ShadowRegion::MayMeet(const Aabb& box) const {

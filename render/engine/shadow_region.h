@@ -4,6 +4,8 @@
 //   if (!region.MayMeet(WorldBounds(instance))) …  // whatever it does, the shadow stays as it is
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,6 +39,20 @@ class ShadowRegion {
 
   std::vector<Slab> slabs_;
   double extent_ = 0.0;  // largest coordinate of the hull's finite points, in m
+};
+
+// The region last asked for, kept: light and receiver mostly stay while other things move.
+class KnownShadowRegion {
+ public:
+  const ShadowRegion& Between(std::shared_ptr<const AreaLight> light, const Parallelogram& patch);
+
+ private:
+  struct Known {
+    std::shared_ptr<const AreaLight> light;
+    Parallelogram patch;
+    ShadowRegion region;
+  };
+  std::optional<Known> known_;
 };
 
 }  // namespace penumbra

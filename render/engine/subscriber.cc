@@ -4,15 +4,23 @@
 
 namespace penumbra {
 
-Subscriber::Subscriber(ArtifactCallback callback, WorkerPool& delivery, EngineCounters& counters)
-    : delivery_(delivery), counters_(counters), callback_(std::move(callback)) {}
+Subscriber::Subscriber(ArtifactCallback callback, WorkerPool::Lane& deliveries,
+                       EngineCounters& counters)
+    : deliveries_(deliveries), counters_(counters), callback_(std::move(callback)) {}
 
 void Subscriber::Offer(const ArtifactUpdate& update) {
+  if (Put(update)) deliveries_.Post([self = shared_from_this()] { self->Deliver(); });
+}
+
+void Subscriber::OfferNext(const ArtifactUpdate& update) {
+  if (Put(update)) deliveries_.PostNext([self = shared_from_this()] { self->Deliver(); });
+}
+
+bool Subscriber::Put(const ArtifactUpdate& update) {
   std::lock_guard lock(mutex_);
-  if (closed_) return;
+  if (closed_) return false;
   waiting_ = update;
-  if (std::exchange(scheduled_, true)) return;
-  delivery_.Post([self = shared_from_this()] { self->Deliver(); });
+  return !std::exchange(scheduled_, true);
 }
 
 void Subscriber::Close() {
@@ -45,7 +53,7 @@ void Subscriber::Deliver() {
   if (closed_) dead.swap(callback_);
   // Posted anew rather than looped: other subscribers get their turn.
   scheduled_ = waiting_.has_value();
-  if (scheduled_) delivery_.Post([self = shared_from_this()] { self->Deliver(); });
+  if (scheduled_) deliveries_.PostNext([self = shared_from_this()] { self->Deliver(); });
   returned_.notify_all();
   lock.unlock();
 }

@@ -1,5 +1,5 @@
 // One subscription's mailbox: it holds the newest update that its callback has not seen, and has
-// the callback called with it, one call at a time, on a thread of the delivery pool.
+// the callback called with it, one call at a time, on a thread of the pool.
 //
 // A slow callback misses updates that newer ones replace; it holds up nobody and costs no memory.
 #pragma once
@@ -19,19 +19,23 @@ namespace penumbra {
 class Subscriber : public std::enable_shared_from_this<Subscriber> {
  public:
   // Both must live until Close returns or the pool has stopped.
-  Subscriber(ArtifactCallback callback, WorkerPool& delivery, EngineCounters& counters);
+  Subscriber(ArtifactCallback callback, WorkerPool::Lane& deliveries, EngineCounters& counters);
 
   // Replaces what waits. Never blocks on the callback.
   void Offer(const ArtifactUpdate& update);
+  // The same, as the last thing that a task of the pool does: its thread goes on with the callback.
+  void OfferNext(const ArtifactUpdate& update);
 
   // No call begins after this returns, and none is running: except when it is the callback itself
   // that closes its subscription; then the call that runs is the last one.
   void Close();
 
  private:
+  // Whether a delivery is to be posted.
+  bool Put(const ArtifactUpdate& update);
   void Deliver();
 
-  WorkerPool& delivery_;
+  WorkerPool::Lane& deliveries_;
   EngineCounters& counters_;
   std::mutex mutex_;
   std::condition_variable returned_;

@@ -1,46 +1,75 @@
 #include "render/engine/worker_pool.h"
 
+#include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace penumbra {
 
-WorkerPool::WorkerPool(int thread_count) {
+WorkerPool::WorkerPool(const std::vector<int>& bounds) : lanes_(bounds.size()) {
+  for (size_t i = 0; i < bounds.size(); ++i) {
+    lanes_[i].pool_ = this;
+    lanes_[i].bound_ = bounds[i];
+  }
+  const int thread_count = std::accumulate(bounds.begin(), bounds.end(), 0);
   threads_.reserve(thread_count);
   for (int i = 0; i < thread_count; ++i) threads_.emplace_back([this] { Work(); });
 }
 
-void WorkerPool::Post(std::function<void()> task) {
+thread_local std::vector<WorkerPool::Next> WorkerPool::next_;
+
+void WorkerPool::Lane::Post(Task task) {
   {
-    std::lock_guard lock(mutex_);
-    if (stopped_) return;
+    std::lock_guard lock(pool_->mutex_);
+    if (pool_->stopped_) return;
     tasks_.push_back(std::move(task));
   }
-  posted_.notify_one();
+  pool_->posted_.notify_one();
 }
 
+void WorkerPool::Lane::PostNext(Task task) { next_.push_back({this, std::move(task)}); }
+
 void WorkerPool::Stop() {
-  std::deque<std::function<void()>> dropped;
+  std::vector<std::deque<Task>> dropped(lanes_.size());
   {
     std::lock_guard lock(mutex_);
     stopped_ = true;
-    dropped.swap(tasks_);
+    for (size_t i = 0; i < lanes_.size(); ++i) dropped[i].swap(lanes_[i].tasks_);
   }
+  dropped.clear();
   posted_.notify_all();
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
+  for (Lane& lane : lanes_) lane.tasks_.clear();  // what the last tasks posted to be next
+}
+
+WorkerPool::Lane* WorkerPool::FindWork() {
+  const auto found =
+      std::find_if(lanes_.begin(), lanes_.end(), [](const Lane& lane) { return lane.CanRun(); });
+  return found == lanes_.end() ? nullptr : &*found;
 }
 
 void WorkerPool::Work() {
   std::unique_lock lock(mutex_);
-  for (;;) {
-    posted_.wait(lock, [this] { return stopped_ || !tasks_.empty(); });
-    if (stopped_) return;
-    std::function<void()> task = std::move(tasks_.front());
-    tasks_.pop_front();
+  while (!stopped_) {
+    Lane* const lane = FindWork();
+    if (!lane) {
+      posted_.wait(lock);
+      continue;
+    }
+    Task task = std::move(lane->tasks_.front());
+    lane->tasks_.pop_front();
+    ++lane->running_;
+    // What is left was perhaps posted to be a thread's next, or waited for room in its lane.
+    const bool is_more = FindWork() != nullptr;
     lock.unlock();
+    if (is_more) posted_.notify_one();
     task();
     task = nullptr;  // what it holds dies here, not under the lock
     lock.lock();
+    --lane->running_;
+    for (Next& next : next_) next.lane->tasks_.push_back(std::move(next.task));
+    next_.clear();
   }
 }
 

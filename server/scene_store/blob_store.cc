@@ -17,6 +17,12 @@ ContentHash HashOf(const BlobContent& content) {
   return std::visit([](const auto& blob) { return blob->id(); }, content);
 }
 
+std::vector<std::byte> BytesOf(const BlobContent& content) {
+  const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&content);
+  return mesh ? EncodeBlob((*mesh)->geometry())
+              : EncodeBlob(*std::get<std::shared_ptr<const AlphaMask>>(content));
+}
+
 bool IsInUse(const BlobContent& content) {
   return std::visit([](const auto& blob) { return blob.use_count() > 1; }, content);
 }
@@ -140,6 +146,24 @@ std::shared_ptr<const AlphaMask> BlobStore::FindMask(const ContentHash& hash) co
   const auto* mask =
       entry ? std::get_if<std::shared_ptr<const AlphaMask>>(&entry->content) : nullptr;
   return mask ? *mask : nullptr;
+}
+
+std::shared_ptr<const std::vector<std::byte>> BlobStore::Encoded(const ContentHash& hash) const {
+  BlobContent content;
+  {
+    std::lock_guard lock(mutex_);
+    const Entry* entry = Find(hash);
+    if (!entry) return nullptr;
+    if (auto bytes = entry->encoded.lock()) return bytes;
+    content = entry->content;  // in use until it is encoded, so its entry stays
+  }
+  auto bytes = std::make_shared<const std::vector<std::byte>>(BytesOf(content));
+  std::lock_guard lock(mutex_);
+  const Entry* entry = Find(hash);
+  if (!entry) return bytes;
+  if (auto first = entry->encoded.lock()) return first;
+  entry->encoded = bytes;
+  return bytes;
 }
 
 size_t BlobStore::blob_count() const {

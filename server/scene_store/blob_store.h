@@ -61,12 +61,17 @@ class BlobStore : public BlobSource {
   std::shared_ptr<const Mesh> FindMesh(const ContentHash& hash) const override;
   std::shared_ptr<const AlphaMask> FindMask(const ContentHash& hash) const override;
 
+  // The blob as it travels, shared by all who ask for it while somebody holds it; null where there
+  // is none. Takes as long as encoding does.
+  std::shared_ptr<const std::vector<std::byte>> Encoded(const ContentHash& hash) const;
+
   size_t blob_count() const;
   uint64_t blob_bytes() const;  // uploads in progress included
 
  private:
   struct Entry {
     BlobContent content;
+    mutable std::weak_ptr<const std::vector<std::byte>> encoded;
     uint64_t bytes = 0;
     std::chrono::steady_clock::time_point used;
   };

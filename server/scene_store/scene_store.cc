@@ -62,6 +62,7 @@ absl::StatusOr<WatchedScene> SceneStore::Watch(const std::string& scene_id,
   std::lock_guard lock((*entry)->mutex);
   auto scene = engine_.Snapshot(scene_id);
   if (!scene.ok()) return scene.status();
+  std::erase_if((*entry)->watchers, [](const auto& weak) { return weak.expired(); });
   (*entry)->watchers.push_back(std::move(watcher));
   return WatchedScene{*std::move(scene), (*entry)->incarnation};
 }

@@ -1,3 +1,4 @@
+#include "render/scene/scene.h"
 #include "server/service/penumbra_service.h"
 #include "server/service/unary_call.h"
 
@@ -8,6 +9,7 @@ grpc::ServerUnaryReactor* PenumbraService::DeleteScene(Context* context, const B
   return AnswerUnary<v1::DeleteSceneRequest>(
       context, parts_.sessions.limits, request, response,
       [&](const v1::DeleteSceneRequest& message) -> absl::StatusOr<v1::DeleteSceneResponse> {
+        if (auto status = CheckId(message.scene_id(), "scene_id"); !status.ok()) return status;
         if (auto status = parts_.sessions.scenes.Delete(message.scene_id()); !status.ok()) {
           return status;
         }

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "proto/convert/geometry_convert.h"
@@ -26,25 +25,21 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   void Start(const grpc::ByteBuffer& request) {
     v1::DownloadBlobRequest message;
     if (auto status = ParseBounded(request, parts_.sessions.limits, message); !status.ok()) {
-      return Finish(ToGrpcStatus(status));
+      return End(ToGrpcStatus(status));
     }
     const auto hash = HashFromProto(message.hash(), "hash");
-    if (!hash.ok()) return Finish(ToGrpcStatus(hash.status()));
-    auto mesh = parts_.sessions.blobs.FindMesh(*hash);
-    auto mask = parts_.sessions.blobs.FindMask(*hash);
-    if (!mesh && !mask) {
-      return Finish(ToGrpcStatus(FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "hash",
-                                            "found " + hash->hex() + ", need a stored blob")));
-    }
-    parts_.blob_workers.Post([this, mesh = std::move(mesh), mask = std::move(mask)] {
-      bytes_ = mesh ? EncodeBlob(mesh->geometry()) : EncodeBlob(*mask);
-      SendNext();
+    if (!hash.ok()) return End(ToGrpcStatus(hash.status()));
+    parts_.blob_workers.Post([this, hash = *hash] {
+      bytes_ = parts_.sessions.blobs.Encoded(hash);
+      if (bytes_) return SendNext();
+      End(ToGrpcStatus(FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "hash",
+                                  "found " + hash.hex() + ", need a stored blob")));
     });
   }
 
   void OnWriteDone(bool ok) override {
     callbacks_.Take();
-    if (!ok) return Finish(grpc::Status::CANCELLED);
+    if (!ok) return End(grpc::Status::CANCELLED);
     SendNext();
   }
 
@@ -54,15 +49,17 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   }
 
  private:
+  void End(const grpc::Status& status) {
+    callbacks_.Give();
+    Finish(status);
+  }
+
   void SendNext() {
-    if (sent_ == bytes_.size()) {
-      callbacks_.Give();
-      return Finish(grpc::Status::OK);
-    }
-    const size_t size = std::min(chunk_bytes_, bytes_.size() - sent_);
+    if (sent_ == bytes_->size()) return End(grpc::Status::OK);
+    const size_t size = std::min(chunk_bytes_, bytes_->size() - sent_);
     v1::DownloadBlobResponse response;
-    if (sent_ == 0) response.set_size_bytes(bytes_.size());
-    response.set_data(bytes_.data() + sent_, size);
+    if (sent_ == 0) response.set_size_bytes(bytes_->size());
+    response.set_data(bytes_->data() + sent_, size);
     sent_ += size;
     message_ = ToBytes(response);
     callbacks_.Give();
@@ -72,7 +69,7 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   const ServiceParts& parts_;
   const size_t chunk_bytes_;
-  std::vector<std::byte> bytes_;
+  std::shared_ptr<const std::vector<std::byte>> bytes_;  // however slowly the client reads
   size_t sent_ = 0;
   grpc::ByteBuffer message_;
 };

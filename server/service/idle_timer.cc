@@ -1,5 +1,10 @@
 #include "server/service/idle_timer.h"
 
+#include <functional>
+#include <utility>
+
+#include "render/math/hand_over.h"
+
 namespace penumbra {
 
 std::shared_ptr<IdleTimer> IdleTimer::Start(grpc::CallbackServerContext* context,
@@ -11,10 +16,19 @@ std::shared_ptr<IdleTimer> IdleTimer::Start(grpc::CallbackServerContext* context
 }
 
 void IdleTimer::Arm(std::chrono::milliseconds delay) {
-  alarm_.Set(std::chrono::system_clock::now() + delay,
-             [self = shared_from_this()](bool has_elapsed) {
-               if (has_elapsed) self->OnAlarm();
-             });
+  // gRPC hands the closure from the thread that sets an alarm to the one that it goes off on, and
+  // keeps it as long as the alarm lives: so it must not keep the timer.
+  static HandOver closures;
+  std::function<void(bool)> go_off = [weak = weak_from_this()](bool has_elapsed) {
+    closures.Take();
+    const auto self = weak.lock();
+    if (has_elapsed && self) self->OnAlarm();
+  };
+  const auto due = std::chrono::system_clock::now() + delay;
+  // Another alarm each time: setting one anew would destroy the closure that is running.
+  alarm_ = std::make_unique<grpc::Alarm>();
+  closures.Give();
+  alarm_->Set(due, std::move(go_off));
 }
 
 void IdleTimer::OnAlarm() {
@@ -37,7 +51,7 @@ void IdleTimer::Touch() {
 void IdleTimer::Stop() {
   std::lock_guard lock(mutex_);
   context_ = nullptr;
-  alarm_.Cancel();
+  alarm_->Cancel();
 }
 
 }  // namespace penumbra

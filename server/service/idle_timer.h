@@ -31,7 +31,7 @@ class IdleTimer : public std::enable_shared_from_this<IdleTimer> {
   std::mutex mutex_;
   grpc::CallbackServerContext* context_;  // null once stopped
   std::chrono::steady_clock::time_point touched_ = std::chrono::steady_clock::now();
-  grpc::Alarm alarm_;
+  std::unique_ptr<grpc::Alarm> alarm_;
 };
 
 }  // namespace penumbra

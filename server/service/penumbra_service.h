@@ -21,7 +21,7 @@ struct ServiceParts {
   SessionServices sessions;
   SessionTable& session_table;
   LocalEngine& engine;
-  WorkerPool& blob_workers;  // for blobs that take longer than a gRPC thread should be kept
+  WorkerPool::Lane& blob_workers;  // for blobs that take longer than a gRPC thread should be kept
   std::function<v1::GlInfo()> gl_info;
   std::chrono::steady_clock::time_point started;
 };

@@ -61,6 +61,7 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
         return FieldError(absl::StatusCode::kInvalidArgument, "LENGTH", "header",
                           "found a new blob, need the rest of the one before");
       }
+      if (auto status = CheckCount(); !status.ok()) return status;
       const auto hash = HashFromProto(request.header().hash(), "header.hash");
       if (!hash.ok()) return hash.status();
       hash_ = *hash;
@@ -74,6 +75,15 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
                         "found none, need one before a blob's bytes");
     }
     return upload_->Append(request.data());
+  }
+
+  // The response, which grows with each blob, has to fit into a message.
+  absl::Status CheckCount() const {
+    const uint32_t limit = parts_.sessions.limits.max_hashes_per_request;
+    if (static_cast<uint32_t>(response_.blobs_size()) < limit) return absl::OkStatus();
+    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_HASHES", "header",
+                      "found another blob after " + std::to_string(limit) + ", need at most " +
+                          std::to_string(limit) + " in one call");
   }
 
   void FinishBlob() {

@@ -1,5 +1,6 @@
 #include "server/session/artifact_stream.h"
 
+#include <new>
 #include <utility>
 
 namespace penumbra {
@@ -61,17 +62,22 @@ void ArtifactStream::PublishHeldBack() {
 void ArtifactStream::Publish(const ArtifactUpdate& update) {
   const StreamState before = Latest();
   auto artifact = before.artifact;
+  absl::Status status = update.status;
   if (update.artifact && (!artifact || artifact->artifact != update.artifact)) {
     const uint64_t sequence = artifact ? artifact->sequence + 1 : 1;
-    artifact = services_.encoder.Encode(artifact.get(), update.artifact, sequence);
-    ++services_.counters.artifacts_encoded;
+    try {
+      artifact = services_.encoder.Encode(artifact.get(), update.artifact, sequence);
+      ++services_.counters.artifacts_encoded;
+    } catch (const std::bad_alloc&) {
+      status = absl::ResourceExhaustedError("out of memory for the encoded artifact");
+    }
   }
   std::vector<std::shared_ptr<StreamListener>> listeners;
   {
     std::lock_guard lock(mutex_);
     state_ = {.number = before.number + 1,
               .revision = update.revision,
-              .status = update.status,
+              .status = std::move(status),
               .artifact = std::move(artifact)};
     for (const auto& weak : listeners_) {
       if (auto listener = weak.lock()) listeners.push_back(std::move(listener));

@@ -34,11 +34,17 @@ struct StreamState {
   std::shared_ptr<const EncodedArtifact> artifact;  // the newest, which may be older than an error
 };
 
-// What streams share. It outlives them.
+// What streams share. It outlives them and the engine, whose threads run their callbacks.
 struct StreamServices {
-  ArtifactEncoder& encoder;
-  DelayLine& hold_back;
+  // A studio of 84 boxes (256 × 256 texels, 64 samples) takes 1.2 ms on two threads, of which the
+  // coarse pass is the first 0.3 ms. Whoever waits longer than that does not see 3 ms more.
+  static constexpr std::chrono::milliseconds kHoldBack{3};
+
+  explicit StreamServices(ServerCounters& server_counters) : counters(server_counters) {}
+
   ServerCounters& counters;
+  ArtifactEncoder encoder;
+  DelayLine hold_back{kHoldBack};
 };
 
 // The very first artifact goes out at once, however coarse. After that subscribers have something
@@ -46,7 +52,7 @@ struct StreamServices {
 // then, all its tiles would have travelled for nothing.
 class ArtifactStream : public std::enable_shared_from_this<ArtifactStream> {
  public:
-  explicit ArtifactStream(const StreamServices& services) : services_(services) {}
+  explicit ArtifactStream(StreamServices& services) : services_(services) {}
 
   // Begins to follow the artifact. Once, before anything else.
   // Errors  those of Engine::Subscribe
@@ -61,7 +67,7 @@ class ArtifactStream : public std::enable_shared_from_this<ArtifactStream> {
   void PublishHeldBack();
   void Publish(const ArtifactUpdate& update);  // with publishing_ locked
 
-  const StreamServices services_;
+  StreamServices& services_;
 
   std::mutex publishing_;  // one update at a time, in their order; taken before mutex_
   std::optional<ArtifactUpdate> held_back_;
@@ -76,9 +82,7 @@ class ArtifactStream : public std::enable_shared_from_this<ArtifactStream> {
 // The streams that sessions follow now. Any thread may use it.
 class StreamTable {
  public:
-  StreamTable(Engine& engine, ServerCounters& counters)
-      : engine_(engine),
-        services_{.encoder = encoder_, .hold_back = hold_back_, .counters = counters} {}
+  StreamTable(Engine& engine, StreamServices& services) : engine_(engine), services_(services) {}
 
   // The stream of `spec`, which lives as long as somebody holds it. `incarnation` is the scene's.
   // Errors  those of Engine::Subscribe
@@ -87,14 +91,8 @@ class StreamTable {
                                                          const ArtifactSpec& spec);
 
  private:
-  // A studio of 84 boxes (256 × 256 texels, 64 samples) takes 1.2 ms on two threads, of which the
-  // coarse pass is the first 0.3 ms. Whoever waits longer than that does not see 3 ms more.
-  static constexpr std::chrono::milliseconds kHoldBack{3};
-
   Engine& engine_;
-  ArtifactEncoder encoder_;
-  DelayLine hold_back_{kHoldBack};
-  const StreamServices services_;
+  StreamServices& services_;
   std::mutex mutex_;
   std::map<std::pair<uint64_t, std::string>, std::weak_ptr<ArtifactStream>>
       streams_;  // by incarnation and SpecKey

@@ -60,7 +60,12 @@ SubscriptionFeed* Session::DueFeed() {
 
 bool Session::has_room() const {
   std::lock_guard lock(mutex_);
-  return replies_.size() < services_.limits.max_queued_replies;
+  return !end_ && !closed_ && replies_.size() < services_.limits.max_queued_replies;
+}
+
+bool Session::is_ending() const {
+  std::lock_guard lock(mutex_);
+  return end_ || closed_;
 }
 
 void Session::Push(v1::SessionResponse response, std::shared_ptr<const Scene> scene) {

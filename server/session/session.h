@@ -58,7 +58,7 @@ class Session : public SceneWatcher,
   // Neither: there is nothing to send now.
   Output Next();
 
-  // Whether another request may be read.
+  // Whether another request may be read. None may once the session is ending.
   bool has_room() const;
   // Sends what replies there are, and then ends with `status`. The first call counts.
   void End(const absl::Status& status);
@@ -89,6 +89,7 @@ class Session : public SceneWatcher,
   absl::Status Dispatch(const v1::SessionRequest& request);
   v1::SessionResponse MakeWelcome(const Scene& scene, uint32_t version) const;
 
+  bool is_ending() const;
   void Push(v1::SessionResponse response, std::shared_ptr<const Scene> scene = nullptr);
   void Release(std::unique_ptr<SubscriptionFeed> feed);
   SubscriptionFeed* DueFeed();

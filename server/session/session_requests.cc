@@ -11,6 +11,7 @@
 #include "proto/convert/spec_convert.h"
 #include "proto/convert/status_convert.h"
 #include "render/scene/field_error.h"
+#include "render/scene/scene.h"
 #include "server/server_identity.h"
 #include "server/session/bounded_parse.h"
 #include "server/session/session.h"
@@ -35,6 +36,7 @@ ContentHash FingerprintOf(const v1::SceneDelta& delta) {
 }  // namespace
 
 void Session::OnRequest(const grpc::ByteBuffer& bytes) {
+  if (is_ending()) return;
   v1::SessionRequest request;
   absl::Status status = ParseBounded(bytes, services_.limits, request);
   if (status.ok()) status = Dispatch(request);
@@ -86,6 +88,10 @@ absl::Status Session::OnHello(const v1::Hello& hello) {
                       "found " + std::to_string(hello.client_name().size()) +
                           " bytes, need at most " +
                           std::to_string(services_.limits.max_client_name_bytes));
+  }
+  if (auto status = CheckId(hello.scene_id(), "hello.scene_id"); !status.ok()) {
+    End(status);
+    return absl::OkStatus();
   }
   const auto watched = services_.scenes.Watch(hello.scene_id(), weak_from_this());
   if (!watched.ok()) {

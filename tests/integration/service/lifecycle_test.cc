@@ -107,6 +107,16 @@ TEST(PenumbradTest, SigtermEndsItAfterTellingItsSessions) {
   EXPECT_LT(SecondsSince(start), 10.0) << "an open session does not hold it up";
 }
 
+TEST(PenumbradTest, TheAddressFileGoesWithTheServer) {
+  const std::filesystem::path file = ::testing::TempDir() + "penumbra-address";
+  Daemon daemon({"--listen", "127.0.0.1:0", "--address-file", file});
+  daemon.Address();
+  EXPECT_TRUE(exists(file));
+  daemon.Signal(SIGTERM);
+  EXPECT_EQ(daemon.Wait(), 0);
+  EXPECT_FALSE(exists(file));
+}
+
 TEST(PenumbradTest, DrainingTakesNoLongerThanStated) {
   Daemon daemon({"--listen", "127.0.0.1:0", "--drain-seconds", "1"});
   WireClient client(daemon.Address());

@@ -97,6 +97,17 @@ TEST_F(StudioTest, BadUploadsAreRefusedAndLeaveNothing) {
   EXPECT_EQ(after.blob_bytes(), before.blob_bytes()) << "reservations are given back";
 }
 
+TEST(PenumbraServerTest, OneUploadBringsAsManyBlobsAsARequestNames) {
+  ServerOptions options;
+  options.limits.max_hashes_per_request = 2;
+  const auto server = StartServer(options);
+  WireClient client(server->address());
+  const auto box = BoxUpload()[0];
+  EXPECT_EQ(client.Upload({box, box}).status(), absl::OkStatus());
+  EXPECT_THAT(client.Upload({box, box, box}).status(),
+              IsRefused(absl::StatusCode::kResourceExhausted, "QUOTA_HASHES", "header"));
+}
+
 TEST_F(StudioTest, BlobsGoUpOnceAndComeDownTheSame) {
   MeshGeometry geometry = UnitSquareGeometry();
   geometry.indices.insert(geometry.indices.end(), {0, 0, 1});  // a triangle of no area
@@ -177,6 +188,8 @@ absl::Status RefusedHello(WireClient& client, const std::string& scene_id, uint3
 TEST_F(StudioTest, HellosThatCannotBeMetEndTheCall) {
   EXPECT_THAT(RefusedHello(*client_, "ghost", 1),
               IsRefused(absl::StatusCode::kNotFound, "UNKNOWN_ID", "hello.scene_id"));
+  EXPECT_THAT(RefusedHello(*client_, std::string(200, 'x'), 1),
+              IsRefused(absl::StatusCode::kInvalidArgument, "BAD_ID", "hello.scene_id"));
   EXPECT_THAT(RefusedHello(*client_, "studio", 2), IsRefused(absl::StatusCode::kFailedPrecondition,
                                                              "VERSION", "hello.protocol_versions"));
 }

@@ -19,13 +19,14 @@ class SceneChangeTest : public ::testing::Test {
  protected:
   bool Affects(const SceneDelta& delta) {
     const auto after = before_->Apply(delta).value();
-    return SceneChange(*before_, *after, delta).Affects(spec_);
+    return SceneChange(*before_, *after, delta).Affects(spec_, region_);
   }
   Instance Box() const { return *before_->FindInstance("box"); }
   void Have(const SceneDelta& delta) { before_ = before_->Apply(delta).value(); }
 
   std::shared_ptr<const Scene> before_ = Scene::Empty("s")->Apply(LampAndFloor()).value();
   ArtifactSpec spec_ = LampOnFloor();
+  KnownShadowRegion region_;
 };
 
 TEST_F(SceneChangeTest, AnOccluderThatComesGoesOrMovesInTheWayAffects) {

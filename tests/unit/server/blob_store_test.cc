@@ -56,6 +56,17 @@ TEST_F(BlobStoreTest, KeepsWhatItsContentNames) {
   EXPECT_EQ(store.blob_bytes(), TriangleBytes());
 }
 
+TEST_F(BlobStoreTest, OneEncodingIsSharedByAllWhoAskForIt) {
+  BlobStore store({});
+  const auto mesh = Triangle(1);
+  EXPECT_EQ(store.Encoded(mesh->id()), nullptr);
+  ASSERT_EQ(Store(store, *mesh), absl::OkStatus());
+  const auto first = store.Encoded(mesh->id());
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(*first, EncodeBlob(mesh->geometry()));
+  EXPECT_EQ(store.Encoded(mesh->id()), first);
+}
+
 TEST_F(BlobStoreTest, UploadsReserveAndGiveBack) {
   BlobStore store({});
   {

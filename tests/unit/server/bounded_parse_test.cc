@@ -40,6 +40,15 @@ TEST(BoundedParseTest, HonestMessagesPass) {
   EXPECT_EQ(request.request_case(), v1::SessionRequest::REQUEST_NOT_SET);
 }
 
+TEST(BoundedParseTest, AFullSceneMayBeEmptiedAtOnce) {
+  v1::SessionRequest emptied;
+  for (uint32_t i = 0; i < SceneLimits().max_instances; ++i) {
+    emptied.mutable_commit()->mutable_delta()->add_remove_instances(std::to_string(i));
+  }
+  v1::SessionRequest request;
+  EXPECT_EQ(Parse(emptied.SerializeAsString(), request), absl::OkStatus());
+}
+
 TEST(BoundedParseTest, UnknownFieldsPassAndCount) {
   v1::SessionRequest request;
   EXPECT_EQ(Parse("\x78\x05", request), absl::OkStatus());  // field 15, varint
@@ -50,7 +59,7 @@ TEST(BoundedParseTest, UnknownFieldsPassAndCount) {
 
 TEST(BoundedParseTest, EmptyMessagesByTheThousandAreRefusedUnparsed) {
   std::string instances;
-  for (int i = 0; i < 40'000; ++i) instances += std::string("\x12\x00", 2);
+  for (int i = 0; i < 80'000; ++i) instances += std::string("\x12\x00", 2);
   v1::SessionRequest outer;
   ASSERT_TRUE(outer.mutable_commit()->mutable_delta()->ParseFromString(instances));
   v1::SessionRequest request;

@@ -15,9 +15,10 @@ TEST(ListenAddressTest, LoopbackAndSocketFilesAreGood) {
 }
 
 TEST(ListenAddressTest, EverythingElseIsRefused) {
-  for (const char* bad : {"", ":80", "0.0.0.0:80", "[::]:80", "::1:80", "192.168.0.1:80",
-                          "example.org:80", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536",
-                          "127.0.0.1:-1", "127.0.0.1:80x", "unix:", "localhost.example.org:80"}) {
+  for (const char* bad :
+       {"", ":80", "0.0.0.0:80", "[::]:80", "::1:80", "192.168.0.1:80", "example.org:80",
+        "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:80x", "127.lan:80",
+        "127.1:80", "unix:", "localhost.example.org:80"}) {
     const auto status = CheckListenAddress(bad);
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << bad;
     EXPECT_EQ(ErrorReason(status), "BAD_ADDRESS") << bad;

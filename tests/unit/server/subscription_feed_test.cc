@@ -92,7 +92,8 @@ class SubscriptionFeedTest : public ::testing::Test {
   ServerLimits limits_;
   ServerCounters counters_;
   ScriptedEngine engine_;
-  StreamTable streams_{engine_, counters_};
+  StreamServices services_{counters_};
+  StreamTable streams_{engine_, services_};
 };
 
 TEST_F(SubscriptionFeedTest, SendsNothingBeforeThereIsAnythingOrWithoutCredit) {
