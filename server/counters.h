@@ -7,6 +7,7 @@
 namespace penumbra {
 
 struct ServerCounters {
+  std::atomic<uint64_t> sessions_made{0};
   std::atomic<uint64_t> open_sessions{0};
   std::atomic<uint64_t> open_subscriptions{0};
   std::atomic<uint64_t> commits{0};

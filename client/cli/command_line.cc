@@ -209,6 +209,13 @@ void Grammar::AddPushAndWatch() {
   watch->add_option("--receiver", watch_.receiver_ids, "A receiver (default: all)")
       ->allow_extra_args(false)
       ->type_name("ID");
+  Add(watch, "--time-budget", "MS",
+      "How soon after a commit its first artifact should be there, with as many samples as fit "
+      "(default: whenever 8 samples are counted)",
+      [this](const std::string& text) { return SetTimeBudget(text, watch_.time_budget_ms); });
+  Add(watch, "--camera", "\"eye target [up] [fov_deg]\"",
+      "What is looked at: receivers that fill more of the picture come first",
+      [this](const std::string& text) { return SetCamera(text, watch_.camera); });
   watch->add_option("--updates", watch_.max_updates, "Stop after N updates")->type_name("N");
   watch->add_option("--seconds", watch_.max_seconds, "Stop after a time")->type_name("S");
   watch->add_flag("--json", watch_.json, "One JSON object a line");
@@ -266,29 +273,7 @@ absl::StatusOr<Command> Grammar::Parse(const std::vector<std::string>& arguments
   return chosen_;
 }
 
-bool TakesNumbers(const std::string& argument) {
-  static constexpr const char* kOthers[] = {"--receiver", "--size",    "--texture-size",
-                                            "--camera",   "--ambient", "--reflectance"};
-  const auto is_argument = [&](const char* name) { return argument == name; };
-  const auto is_light = [&](const LightOption& option) { return argument == option.name; };
-  return std::ranges::any_of(kOthers, is_argument) || std::ranges::any_of(LightOptions(), is_light);
-}
-
 }  // namespace
-
-std::vector<std::string> TieNumbersToOptions(const std::vector<std::string>& arguments) {
-  std::vector<std::string> tied;
-  for (size_t i = 0; i < arguments.size(); ++i) {
-    tied.push_back(arguments[i]);
-    if (!TakesNumbers(arguments[i])) continue;
-    std::string numbers;
-    while (i + 1 < arguments.size() && IsNumbers(arguments[i + 1])) {
-      absl::StrAppend(&numbers, numbers.empty() ? "" : " ", arguments[++i]);
-    }
-    if (!numbers.empty()) absl::StrAppend(&tied.back(), "=", numbers);
-  }
-  return tied;
-}
 
 absl::StatusOr<Command> ParseCommandLine(const std::vector<std::string>& arguments) {
   return Grammar().Parse(arguments);

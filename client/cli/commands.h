@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "client/cli/numbers.h"
-#include "client/display/camera.h"
 #include "render/math/vec.h"
 #include "render/scene/area_light.h"
+#include "render/scene/camera.h"
 #include "render/scene/receiver.h"
 #include "render/technique/technique_params.h"
 
@@ -71,8 +71,10 @@ struct WatchCommand {
   std::vector<std::string> light_ids;     // empty: every light of the scene
   std::vector<std::string> receiver_ids;  // empty: every receiver of the scene
   TechniqueParams params;
-  uint64_t max_updates = 0;  // 0: until interrupted
-  double max_seconds = 0.0;  // 0: until interrupted
+  float time_budget_ms = 0;      // 0: none
+  std::optional<Camera> camera;  // what is looked at; absent: nothing
+  uint64_t max_updates = 0;      // 0: until interrupted
+  double max_seconds = 0.0;      // 0: until interrupted
   bool json = false;
 };
 

@@ -12,9 +12,9 @@
 
 #include "absl/status/statusor.h"
 #include "client/cli/numbers.h"
-#include "client/display/camera.h"
 #include "client/import/import_scene.h"
 #include "render/artifact/artifact.h"
+#include "render/scene/camera.h"
 #include "render/scene/scene.h"
 
 namespace penumbra {

@@ -72,6 +72,16 @@ absl::Status SetSeed(TechniqueParams& params, std::string_view text) {
   return absl::OkStatus();
 }
 
+absl::Status SetTimeBudget(std::string_view text, float& time_budget_ms) {
+  const auto numbers = ParseNumbers("--time-budget", text);
+  if (!numbers.ok()) return numbers.status();
+  if (numbers->size() != 1 || !((*numbers)[0] > 0.0f)) {
+    return RangeError("--time-budget", text, "one number above 0");
+  }
+  time_budget_ms = (*numbers)[0];
+  return absl::OkStatus();
+}
+
 absl::Status SetMethod(TechniqueParams& params, std::string_view text) {
   const auto method = VisibilityMethodNamed(text);
   if (!method) {

@@ -17,6 +17,7 @@ namespace penumbra {
 absl::StatusOr<TechniqueParams> ReadTechnique(std::string_view option, std::string_view text);
 absl::Status SetSamples(TechniqueParams& params, std::string_view text);
 absl::Status SetSeed(TechniqueParams& params, std::string_view text);
+absl::Status SetTimeBudget(std::string_view text, float& time_budget_ms);
 absl::Status SetMethod(TechniqueParams& params, std::string_view text);
 
 // Ids are the option's, with "-2", "-3", … after the first of its kind.

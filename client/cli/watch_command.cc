@@ -127,11 +127,16 @@ absl::Status Run(const WatchCommand& command, const Console& console, std::stop_
                      receivers.size(), " receivers, need one of each"));
   }
 
+  if (command.camera) {
+    const absl::Status status =
+        (*engine)->ReportView(command.scene_id, "watch", View{.camera = *command.camera});
+    if (!status.ok()) return status;
+  }
   UpdatePrinter printer(command, console);
   std::vector<std::unique_ptr<Subscription>> subscriptions;
   for (const std::string& receiver_id : receivers) {
     for (const std::string& light_id : lights) {
-      const ArtifactSpec spec{command.params, light_id, receiver_id};
+      const ArtifactSpec spec{command.params, light_id, receiver_id, command.time_budget_ms};
       auto subscription = (*engine)->SubscribeMeasured(
           command.scene_id, spec,
           [&printer, spec](const ArtifactUpdate& update, const UpdateTraffic& traffic) {

@@ -14,10 +14,10 @@
 #include <span>
 
 #include "absl/status/statusor.h"
-#include "client/display/camera.h"
 #include "client/display/picture.h"
 #include "render/artifact/artifact.h"
 #include "render/gl/context.h"
+#include "render/scene/camera.h"
 #include "render/scene/scene.h"
 
 namespace penumbra {

@@ -97,6 +97,13 @@ absl::StatusOr<std::unique_ptr<Subscription>> RemoteEngine::SubscribeMeasured(
   return (*session)->Subscribe(spec, std::move(callback));
 }
 
+absl::Status RemoteEngine::ReportView(const std::string& scene_id, const std::string& /*viewer*/,
+                                      const std::optional<View>& view) {
+  const auto session = connection_->SessionOf(scene_id);
+  if (!session.ok()) return session.status();
+  return (*session)->ReportView(view);
+}
+
 absl::StatusOr<std::string> RemoteEngine::ServerInfoJson() {
   v1::GetServerInfoResponse response;
   const absl::Status status = connection_->Call(&v1::PenumbraService::Stub::GetServerInfo,

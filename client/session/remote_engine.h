@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,11 +56,15 @@ class RemoteEngine : public Engine {
                                                           const ArtifactSpec& spec,
                                                           ArtifactCallback callback) override;
 
-  // The same, with what each update took on the wire.
+  // The same as Subscribe, with what each update took on the wire.
   using MeasuredCallback = std::function<void(const ArtifactUpdate&, const UpdateTraffic&)>;
   absl::StatusOr<std::unique_ptr<Subscription>> SubscribeMeasured(const std::string& scene_id,
                                                                   const ArtifactSpec& spec,
                                                                   MeasuredCallback callback);
+
+  // The server knows one viewer for each engine and scene: the last view reported counts.
+  absl::Status ReportView(const std::string& scene_id, const std::string& viewer,
+                          const std::optional<View>& view) override;
 
   // What the server says of itself and of its techniques: GetServerInfoResponse and
   // ListTechniquesResponse in protobuf's JSON, with the fields named as in the protocol.

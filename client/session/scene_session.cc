@@ -7,6 +7,7 @@
 #include "client/session/blob_transfer.h"
 #include "client/session/server_connection.h"
 #include "client/session/steady_clock.h"
+#include "proto/convert/geometry_convert.h"
 #include "proto/convert/scene_convert.h"
 #include "proto/convert/spec_convert.h"
 #include "proto/convert/status_convert.h"
@@ -190,6 +191,18 @@ absl::StatusOr<std::unique_ptr<Subscription>> SceneSession::Subscribe(
     return status;
   }
   return subscription;
+}
+
+absl::Status SceneSession::ReportView(const std::optional<View>& view) {
+  v1::SessionRequest request;
+  request.mutable_view_report();
+  if (view) {
+    if (absl::Status status = CheckView(*view); !status.ok()) return status;
+    *request.mutable_view_report()->mutable_camera() = ToProto(*view);
+  }
+  if (Send(request)) return absl::OkStatus();
+  std::lock_guard lock(mutex_);
+  return has_ended_ ? end_reason_ : absl::UnavailableError(absl::StrCat(address_, ": is gone"));
 }
 
 void SceneSession::Unsubscribe(RemoteSubscriber& subscriber) {

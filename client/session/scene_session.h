@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -33,6 +34,8 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   absl::StatusOr<std::shared_ptr<const Scene>> Snapshot();
   absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const ArtifactSpec& spec,
                                                           RemoteEngine::MeasuredCallback callback);
+  // Does not wait for an answer: there is none to a view that CheckView finds nothing wrong with.
+  absl::Status ReportView(const std::optional<View>& view);
   // The end of a subscription, from its owner.
   void Unsubscribe(RemoteSubscriber& subscriber);
 

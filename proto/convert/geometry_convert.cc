@@ -32,6 +32,27 @@ Parallelogram FromProto(const v1::Parallelogram& patch) {
   return result;
 }
 
+v1::Camera ToProto(const View& view) {
+  v1::Camera proto;
+  *proto.mutable_eye() = ToProto(view.camera.eye);
+  *proto.mutable_target() = ToProto(view.camera.target);
+  *proto.mutable_up() = ToProto(view.camera.up);
+  proto.set_fov_y_deg(view.camera.fov_y_deg);
+  proto.set_aspect(static_cast<float>(view.aspect));
+  return proto;
+}
+
+absl::StatusOr<View> FromProto(const v1::Camera& proto) {
+  View view{.camera = {.eye = Vec3(0), .target = Vec3(0, 0, -1)}};
+  if (proto.has_eye()) view.camera.eye = FromProto(proto.eye());
+  if (proto.has_target()) view.camera.target = FromProto(proto.target());
+  if (proto.has_up()) view.camera.up = FromProto(proto.up());
+  if (proto.has_fov_y_deg()) view.camera.fov_y_deg = proto.fov_y_deg();
+  if (proto.has_aspect()) view.aspect = double{proto.aspect()};
+  if (absl::Status status = CheckView(view); !status.ok()) return status;
+  return view;
+}
+
 std::string ToProto(const ContentHash& hash) {
   return std::string(hash.bytes.begin(), hash.bytes.end());
 }

@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "penumbra/v1/geometry.pb.h"
 #include "render/math/vec.h"
+#include "render/scene/camera.h"
 #include "render/scene/content_hash.h"
 #include "render/scene/receiver.h"
 
@@ -18,6 +19,10 @@ Vec3 FromProto(const v1::Vec3& v);
 // What an absent Parallelogram field stands for is that field's default in render/scene.
 v1::Parallelogram ToProto(const Parallelogram& patch);
 Parallelogram FromProto(const v1::Parallelogram& patch);
+
+v1::Camera ToProto(const View& view);
+// Errors  those of CheckView
+absl::StatusOr<View> FromProto(const v1::Camera& camera);
 
 // The 32 bytes of the hash.
 std::string ToProto(const ContentHash& hash);

@@ -59,6 +59,7 @@ v1::ArtifactSpec ToProto(const ArtifactSpec& spec) {
   v1::ArtifactSpec proto;
   proto.set_light_id(spec.light_id);
   proto.set_receiver_id(spec.receiver_id);
+  proto.set_time_budget_ms(spec.time_budget_ms);
   std::visit([&](const auto& params) { Write(params, proto); }, spec.params);
   return proto;
 }
@@ -68,9 +69,12 @@ absl::StatusOr<ArtifactSpec> FromProto(const v1::ArtifactSpec& proto) {
   if (!params.ok()) return params.status();
   if (auto status = CheckId(proto.light_id(), "spec.light_id"); !status.ok()) return status;
   if (auto status = CheckId(proto.receiver_id(), "spec.receiver_id"); !status.ok()) return status;
-  return ArtifactSpec{.params = *std::move(params),
-                      .light_id = proto.light_id(),
-                      .receiver_id = proto.receiver_id()};
+  ArtifactSpec spec{.params = *std::move(params),
+                    .light_id = proto.light_id(),
+                    .receiver_id = proto.receiver_id(),
+                    .time_budget_ms = proto.time_budget_ms()};
+  if (auto status = CheckTimeBudget(spec); !status.ok()) return WithFieldPrefix(status, "spec.");
+  return spec;
 }
 
 v1::TechniqueInfo ToProto(const TechniqueInfo& info) {

@@ -13,7 +13,7 @@ Channel::Channel(ArtifactSpec spec, const Technique& technique, const JobResourc
     : spec_(std::move(spec)),
       technique_(technique),
       resources_(resources),
-      memory_{resources.kept, nullptr} {}
+      memory_{.budget = resources.kept} {}
 
 void Channel::Add(std::shared_ptr<Subscriber> subscriber, std::shared_ptr<const Scene> scene) {
   std::lock_guard lock(mutex_);
@@ -75,7 +75,7 @@ void Channel::End(const absl::Status& reason) {
 
 void Channel::Enqueue() {
   queued_ = true;
-  resources_.jobs.Post([self = shared_from_this()] { self->RunJob(); });
+  resources_.jobs.Add(shared_from_this());
 }
 
 void Channel::Publish(ArtifactUpdate update) {

@@ -9,6 +9,7 @@
 // revision after which the stream pauses is computed to the end.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,9 +18,9 @@
 
 #include "render/engine/engine.h"
 #include "render/engine/engine_statistics.h"
+#include "render/engine/job_queue.h"
 #include "render/engine/scene_change.h"
 #include "render/engine/subscriber.h"
-#include "render/engine/worker_pool.h"
 #include "render/technique/technique.h"
 #include "tbb/task_arena.h"
 
@@ -27,7 +28,7 @@ namespace penumbra {
 
 // What jobs run on. Outlives the jobs, not the channels.
 struct JobResources {
-  WorkerPool::Lane& jobs;
+  JobQueue& jobs;
   tbb::task_arena& arena;
   MonotonicClock now_ms;
   EngineCounters& counters;
@@ -45,6 +46,14 @@ class Channel : public std::enable_shared_from_this<Channel> {
 
   // Calls come in the order of the commits.
   void OnCommit(std::shared_ptr<const Scene> after, SceneChange& change);
+
+  // How much of people's pictures the receiver fills, all together: jobs of larger ones run first.
+  double viewed_share() const { return viewed_share_; }
+  void SetViewedShare(double share) { viewed_share_ = share; }
+  const ArtifactSpec& spec() const { return spec_; }
+
+  // Computes for the newest scene; by the job queue alone.
+  void RunJob();
 
   // Cancels the running job and says `reason`, if it is an error, to all subscribers as the last
   // word.
@@ -65,13 +74,13 @@ class Channel : public std::enable_shared_from_this<Channel> {
   void PublishLast(ArtifactUpdate update);  // as the last thing that a job does
   void Finish(const Job& job, absl::StatusOr<std::shared_ptr<const Artifact>> result);
 
-  void RunJob();
   void OnPass(Artifact artifact);
   absl::StatusOr<std::shared_ptr<const Artifact>> Compute(const Scene& scene, std::stop_token stop);
 
   const ArtifactSpec spec_;
   const Technique& technique_;
   const JobResources resources_;
+  std::atomic<double> viewed_share_ = 0;
 
   std::mutex mutex_;
   std::shared_ptr<const Scene> head_;

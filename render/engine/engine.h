@@ -10,12 +10,14 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "render/artifact/artifact.h"
+#include "render/scene/camera.h"
 #include "render/scene/scene.h"
 #include "render/technique/artifact_spec.h"
 
@@ -74,6 +76,13 @@ class Engine {
   virtual absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& scene_id,
                                                                   const ArtifactSpec& spec,
                                                                   ArtifactCallback callback) = 0;
+
+  // Says what `viewer` (any name) looks at; nullopt: nothing any more. Of the artifacts that wait
+  // to be computed, those whose receivers fill most of all viewers' pictures come first.
+  //
+  // Errors  kNotFound: no such scene; kInvalidArgument: the view, its field named
+  virtual absl::Status ReportView(const std::string& scene_id, const std::string& viewer,
+                                  const std::optional<View>& view) = 0;
 };
 
 }  // namespace penumbra

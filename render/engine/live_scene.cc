@@ -34,6 +34,7 @@ absl::StatusOr<Revision> LiveScene::Commit(const SceneDelta& delta, const SceneL
   }
   SceneChange change(*before, *after, delta);
   for (const auto& [key, channel] : channels_) channel->OnCommit(after, change);
+  if (!delta.upsert_receivers.empty()) ShareViews();
   return after->revision();
 }
 
@@ -53,6 +54,7 @@ absl::Status LiveScene::Subscribe(const ArtifactSpec& spec, const Technique& tec
     }
     found = channels_.emplace(key, std::make_shared<Channel>(spec, technique, resources)).first;
   }
+  ShareViews(*found->second, *Snapshot());
   found->second->Add(std::move(subscriber), Snapshot());
   return absl::OkStatus();
 }
@@ -61,6 +63,39 @@ void LiveScene::Unsubscribe(const ArtifactSpec& spec, const Subscriber* subscrib
   std::lock_guard order(order_mutex_);
   const auto found = channels_.find(SpecKey(spec));
   if (found != channels_.end() && found->second->Remove(subscriber)) channels_.erase(found);
+}
+
+absl::Status LiveScene::ReportView(const std::string& viewer, const std::optional<View>& view,
+                                   size_t max_viewers) {
+  std::lock_guard order(order_mutex_);
+  if (ended_) return SceneHasEnded(*Snapshot());
+  if (!view) {
+    views_.erase(viewer);
+  } else if (views_.size() >= max_viewers && !views_.contains(viewer)) {
+    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_VIEWERS", "viewer",
+                      absl::StrCat("found ", views_.size(), " viewers, need fewer than ",
+                                   max_viewers, " a scene before another"));
+  } else {
+    views_.insert_or_assign(viewer, *view);
+  }
+  ShareViews();
+  return absl::OkStatus();
+}
+
+void LiveScene::ShareViews(Channel& channel, const Scene& scene) const {
+  double share = 0;
+  if (!views_.empty()) {
+    const auto receiver = scene.ResolveReceiver(channel.spec().receiver_id);
+    if (receiver.ok()) {
+      for (const auto& [viewer, view] : views_) share += ViewedShare(view, receiver->patch);
+    }
+  }
+  channel.SetViewedShare(share);
+}
+
+void LiveScene::ShareViews() const {
+  const auto scene = Snapshot();
+  for (const auto& [key, channel] : channels_) ShareViews(*channel, *scene);
 }
 
 void LiveScene::End(const absl::Status& reason) {

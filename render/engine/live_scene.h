@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -29,16 +30,25 @@ class LiveScene {
                          std::shared_ptr<Subscriber> subscriber);
   void Unsubscribe(const ArtifactSpec& spec, const Subscriber* subscriber);
 
+  // Errors  kNotFound: the scene has ended; kResourceExhausted: it has `max_viewers`
+  absl::Status ReportView(const std::string& viewer, const std::optional<View>& view,
+                          size_t max_viewers);
+
   // Says `reason`, if it is an error, to all subscribers as the last word, and cancels all jobs.
   void End(const absl::Status& reason);
 
  private:
+  // With the order locked, as for all that follow.
+  void ShareViews(Channel& channel, const Scene& scene) const;
+  void ShareViews() const;
+
   mutable std::mutex head_mutex_;  // held for a copy of the pointer only
   std::shared_ptr<const Scene> head_;
 
   std::mutex order_mutex_;  // one commit, subscription or end at a time; taken before head_mutex_
   bool ended_ = false;
   std::map<std::string, std::shared_ptr<Channel>> channels_;  // by SpecKey
+  std::map<std::string, View> views_;                         // by viewer
 };
 
 }  // namespace penumbra

@@ -46,9 +46,9 @@ struct LocalEngine::Threads {
   tbb::global_control parallelism;
   tbb::task_arena arena;
   WorkerPool workers;
+  JobQueue jobs{workers.lane(1)};
 
   WorkerPool::Lane& deliveries() { return workers.lane(0); }
-  WorkerPool::Lane& jobs() { return workers.lane(1); }
 
   explicit Threads(const LocalEngineOptions& options)
       : parallelism(tbb::global_control::max_allowed_parallelism,
@@ -134,6 +134,16 @@ absl::StatusOr<std::shared_ptr<const Scene>> LocalEngine::Snapshot(const std::st
   return (*scene)->Snapshot();
 }
 
+absl::Status LocalEngine::ReportView(const std::string& scene_id, const std::string& viewer,
+                                     const std::optional<View>& view) {
+  auto scene = Find(scene_id);
+  if (!scene.ok()) return scene.status();
+  if (view) {
+    if (absl::Status status = CheckView(*view); !status.ok()) return status;
+  }
+  return (*scene)->ReportView(viewer, view, options_.max_viewers_per_scene);
+}
+
 absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::string& scene_id,
                                                                      const ArtifactSpec& spec,
                                                                      ArtifactCallback callback) {
@@ -144,7 +154,7 @@ absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::
   if (absl::IsInvalidArgument(check)) return check;
   auto subscriber =
       std::make_shared<Subscriber>(std::move(callback), threads_->deliveries(), counters_);
-  const JobResources resources{.jobs = threads_->jobs(),
+  const JobResources resources{.jobs = threads_->jobs,
                                .arena = threads_->arena,
                                .now_ms = options_.now_ms,
                                .counters = counters_,

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct LocalEngineOptions {
   // Different artifacts (technique, parameters, light, receiver) that are followed on one scene.
   // Each has at most one job waiting, so this times max_scenes bounds the queue.
   size_t max_artifacts_per_scene = 1024;
+  size_t max_viewers_per_scene = 1024;
   MonotonicClock now_ms = nullptr;  // null: artifacts carry no timings
   // What computes a spec; tests put their own here. It must outlive the engine.
   std::function<const Technique&(const TechniqueParams&)> technique_for = TechniqueFor;
@@ -60,6 +62,10 @@ class LocalEngine : public Engine {
   absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& scene_id,
                                                           const ArtifactSpec& spec,
                                                           ArtifactCallback callback) override;
+
+  // Errors, further  kResourceExhausted QUOTA_VIEWERS
+  absl::Status ReportView(const std::string& scene_id, const std::string& viewer,
+                          const std::optional<View>& view) override;
 
   EngineStatistics statistics() const;
   // Threads that a job may use.

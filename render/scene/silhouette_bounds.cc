@@ -42,7 +42,7 @@ void Push(const FaceBound& bound, ClusterLevel& level) {
   push(level.x, bound.center.x);
   push(level.y, bound.center.y);
   push(level.z, bound.center.z);
-  push(level.radius, bound.radius < 0 ? -1e30 : bound.radius * (1 + slack));
+  push(level.radius, bound.radius * (1 + slack));
   push(level.axis_x, bound.axis.x);
   push(level.axis_y, bound.axis.y);
   push(level.axis_z, bound.axis.z);

@@ -17,8 +17,7 @@ struct FaceBound {
 // A ball around two balls and a cone around two cones.
 FaceBound Around(const FaceBound& a, const FaceBound& b);
 
-// Appends `bound`, widened by what rounding may do. One with nothing in it is padding: it faces one
-// way whatever the viewpoint.
+// Appends `bound`, widened by what rounding may do.
 void Push(const FaceBound& bound, ClusterLevel& level);
 
 }  // namespace penumbra

@@ -232,6 +232,7 @@ struct SilhouetteEdges::Builder {
       const size_t count = bounds_of_level.size();
       bounds_of_level.resize((count + kClusterEdges - 1) / kClusterEdges * kClusterEdges);
       ClusterLevel& level = result.levels_.emplace_back();
+      level.count = count;
       for (const FaceBound& bound : bounds_of_level) Push(bound, level);
       if (count <= kClusterEdges) break;
       std::vector<FaceBound> parents(bounds_of_level.size() / kClusterEdges);

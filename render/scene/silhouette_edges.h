@@ -53,8 +53,7 @@ struct ClusterLevel {
   std::vector<float> x, y, z, radius;
   std::vector<float> axis_x, axis_y, axis_z;
   std::vector<float> cos_spread, sin_spread;  // cos ≤ 0: any direction
-
-  size_t size() const { return x.size(); }
+  size_t count = 0;                           // clusters; the arrays go on with padding
 };
 
 // Viewpoints around one, in homogeneous coordinates as it: all within `radius`.

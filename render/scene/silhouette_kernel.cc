@@ -93,7 +93,8 @@ HWY_INLINE uint32_t Undecided(const ClusterLevel& c, size_t first, const float (
     hn::StoreMaskBits(f, undecided, bytes);
     bits |= (bytes[0] | uint32_t{bytes[1]} << 8) << k;
   }
-  return bits;
+  const size_t clusters = c.count - first;  // past these there is padding
+  return clusters < kClusterEdges ? bits & ((1u << clusters) - 1) : bits;
 }
 
 // Calls `visit` with the first edge of every cluster that may have faces of both facings, seen from

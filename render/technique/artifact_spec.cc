@@ -1,6 +1,9 @@
 #include "render/technique/artifact_spec.h"
 
+#include <cmath>
+
 #include "absl/strings/str_cat.h"
+#include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
@@ -12,11 +15,17 @@ std::string KeyOf(const SoftTextureParams& params) {
 
 }  // namespace
 
+absl::Status CheckTimeBudget(const ArtifactSpec& spec) {
+  if (std::isfinite(spec.time_budget_ms) && spec.time_budget_ms >= 0) return absl::OkStatus();
+  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "time_budget_ms",
+                    absl::StrCat("found ", spec.time_budget_ms, ", need a number >= 0"));
+}
+
 // Ids hold no blanks, so that the parts cannot run into each other.
 std::string SpecKey(const ArtifactSpec& spec) {
   const std::string_view name = InfoOf(spec.params).name;
   return absl::StrCat(absl::string_view(name.data(), name.size()), " ", spec.light_id, " ",
-                      spec.receiver_id, " ",
+                      spec.receiver_id, " ", spec.time_budget_ms, " ",
                       std::visit([](const auto& params) { return KeyOf(params); }, spec.params));
 }
 

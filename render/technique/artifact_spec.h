@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "absl/status/status.h"
 #include "render/technique/technique_params.h"
 
 namespace penumbra {
@@ -11,9 +12,15 @@ struct ArtifactSpec {
   TechniqueParams params;
   std::string light_id;
   std::string receiver_id;
+  // How long after a commit the first artifact that shows it should be there, at the price of fewer
+  // samples: > 0, in ms, and 0 for no such wish. Later passes refine it as ever.
+  float time_budget_ms = 0;
 
   friend bool operator==(const ArtifactSpec&, const ArtifactSpec&) = default;
 };
+
+// Errors  kInvalidArgument RANGE: a time budget that is negative or no number
+absl::Status CheckTimeBudget(const ArtifactSpec& spec);
 
 // Text that is equal for equal specs; jobs are keyed by it.
 std::string SpecKey(const ArtifactSpec& spec);

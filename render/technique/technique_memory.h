@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 
+#include "render/technique/first_pass.h"
+
 namespace penumbra {
 
 // Bytes that may be kept in all. Any thread may take and give back.
@@ -50,7 +52,9 @@ class MemoryBudget {
 // missing or of another computation.
 struct TechniqueMemory {
   MemoryBudget& budget;
-  std::shared_ptr<void> kept;  // made and read by the artifact's technique alone
+  std::shared_ptr<void> kept{};   // made and read by the artifact's technique alone
+  FirstPassPace pace{};           // of computing everything
+  FirstPassPace pace_of_edits{};  // of computing what an edit changed
 };
 
 }  // namespace penumbra

@@ -63,6 +63,12 @@ class SceneStore {
   absl::StatusOr<CommitOutcome> Commit(const std::string& scene_id, const CommitRequest& request,
                                        const SceneWatcher* author);
 
+  // Errors  those of Engine::ReportView
+  absl::Status ReportView(const std::string& scene_id, const std::string& viewer,
+                          const std::optional<View>& view) {
+    return engine_.ReportView(scene_id, viewer, view);
+  }
+
   // What the scene is now. Errors  kNotFound
   absl::StatusOr<std::shared_ptr<const Scene>> Snapshot(const std::string& scene_id) {
     return engine_.Snapshot(scene_id);

@@ -1,5 +1,6 @@
 #include "server/session/session.h"
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -7,6 +8,12 @@
 #include "server/session/wire_message.h"
 
 namespace penumbra {
+
+Session::Session(const SessionServices& services, std::function<void()> wake)
+    : services_(services),
+      wake_(std::move(wake)),
+      viewer_(std::to_string(++services.counters.sessions_made)),
+      mirror_(services.limits.max_message_bytes) {}
 
 std::shared_ptr<Session> Session::Create(const SessionServices& services,
                                          std::function<void()> wake) {
@@ -95,6 +102,10 @@ void Session::Close() {
     feeds.swap(feeds_);
   }
   for (auto& [id, feed] : feeds) Release(std::move(feed));
+  if (!scene_id_.empty()) {
+    // Gone with the scene, if that is gone.
+    services_.scenes.ReportView(scene_id_, viewer_, std::nullopt).IgnoreError();
+  }
 }
 
 // Without the lock: the last to let go of a stream waits for the stream's callback, which may be

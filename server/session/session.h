@@ -76,8 +76,7 @@ class Session : public SceneWatcher,
   };
   using FeedTable = std::map<uint64_t, std::unique_ptr<SubscriptionFeed>>;
 
-  Session(const SessionServices& services, std::function<void()> wake)
-      : services_(services), wake_(std::move(wake)), mirror_(services.limits.max_message_bytes) {}
+  Session(const SessionServices& services, std::function<void()> wake);
 
   absl::Status OnHello(const v1::Hello& hello);
   void OnCommit(const v1::Commit& commit);
@@ -86,6 +85,7 @@ class Session : public SceneWatcher,
   absl::Status OnUnsubscribe(const v1::Unsubscribe& unsubscribe);
   absl::Status OnCredit(const v1::Credit& credit);
   absl::Status OnAcknowledgement(const v1::Acknowledgement& acknowledgement);
+  absl::Status OnViewReport(const v1::ViewReport& report);
   absl::Status Dispatch(const v1::SessionRequest& request);
   v1::SessionResponse MakeWelcome(const Scene& scene, uint32_t version) const;
 
@@ -96,6 +96,7 @@ class Session : public SceneWatcher,
 
   const SessionServices services_;
   const std::function<void()> wake_;
+  const std::string viewer_;  // the engine's name for who is behind this session
 
   // Set by the hello, then read only by OnRequest's thread.
   std::string scene_id_;

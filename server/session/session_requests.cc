@@ -1,6 +1,7 @@
 // What a session does with each request. Runs on one thread at a time.
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -64,6 +65,8 @@ absl::Status Session::Dispatch(const v1::SessionRequest& request) {
       return OnCredit(request.credit());
     case v1::SessionRequest::kAcknowledgement:
       return OnAcknowledgement(request.acknowledgement());
+    case v1::SessionRequest::kViewReport:
+      return OnViewReport(request.view_report());
     case v1::SessionRequest::kHello:
     case v1::SessionRequest::REQUEST_NOT_SET:
       break;
@@ -224,6 +227,16 @@ absl::Status Session::OnCredit(const v1::Credit& credit) {
   }
   wake_();
   return absl::OkStatus();
+}
+
+absl::Status Session::OnViewReport(const v1::ViewReport& report) {
+  std::optional<View> view;
+  if (report.has_camera()) {
+    auto checked = FromProto(report.camera());
+    if (!checked.ok()) return WithFieldPrefix(checked.status(), "view_report.");
+    view = *checked;
+  }
+  return services_.scenes.ReportView(scene_id_, viewer_, view);
 }
 
 absl::Status Session::OnAcknowledgement(const v1::Acknowledgement& acknowledgement) {

@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "absl/status/statusor.h"
 
 namespace penumbra::bench {
 
@@ -25,6 +30,17 @@ using Suite = std::vector<Row> (*)(const BenchOptions&);
 
 std::vector<Row> SoftTextureSuite(const BenchOptions& options);
 std::vector<Row> ServiceSuite(const BenchOptions& options);
+
+// What tells how soon shadows follow a drag; a part of SoftTextureSuite.
+std::vector<Row> DragRows(const BenchOptions& options);
+
+// A benchmark that cannot do what it measures ends with the reason.
+template <typename T>
+T OrDie(absl::StatusOr<T> result) {
+  if (result.ok()) return *std::move(result);
+  std::fprintf(stderr, "penumbra_bench: %s\n", std::string(result.status().message()).c_str());
+  std::exit(EXIT_FAILURE);
+}
 
 inline double NowMs() {
   return std::chrono::duration<double, std::milli>(

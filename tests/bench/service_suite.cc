@@ -30,13 +30,6 @@ constexpr int kBoxesAlong = 12;
 constexpr int kBoxesAcross = 7;
 constexpr size_t kLeastRounds = 20;
 
-template <typename T>
-T OrDie(absl::StatusOr<T> result) {
-  if (result.ok()) return *std::move(result);
-  std::fprintf(stderr, "service suite: %s\n", std::string(result.status().message()).c_str());
-  std::exit(EXIT_FAILURE);
-}
-
 Instance BoxAt(int index, float lift) {
   static const auto box = testing::MeshOf(testing::UnitBoxGeometry());
   const float x = (static_cast<float>(index % kBoxesAlong) + 0.5f) / kBoxesAlong - 0.5f;

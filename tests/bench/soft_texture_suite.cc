@@ -14,6 +14,7 @@
 #include "render/technique/soft_texture/coverage_kernel.h"
 #include "render/technique/technique.h"
 #include "tests/bench/bench.h"
+#include "tests/bench/studio.h"
 #include "tests/support/shapes.h"
 
 namespace penumbra::bench {
@@ -21,38 +22,6 @@ namespace {
 
 constexpr uint32_t kTexels = 256;
 constexpr uint32_t kSamples = 64;
-constexpr float kFloorSide = 10;
-
-SceneDelta Studio() {
-  SceneDelta delta;
-  delta.upsert_receivers = {testing::FloorReceiver("floor", kFloorSide, kTexels)};
-  delta.upsert_lights = {
-      {.id = "lamp",
-       .shape = RectangleLight{
-           .corner = Vec3(-1, 8, -1), .edge_u = Vec3(2, 0, 0), .edge_v = Vec3(0, 0, 2)}}};
-  return delta;
-}
-
-// Boxes of 0.1 to 0.5 m, turned every way, anywhere between floor and lamp.
-SceneDelta Boxes(int count) {
-  SceneDelta delta = Studio();
-  std::mt19937 random(1997);
-  std::uniform_real_distribution<float> uniform(0, 1);
-  const auto box = testing::MeshOf(testing::UnitBoxGeometry());
-  for (int i = 0; i < count; ++i) {
-    const auto angle = [&] { return 2 * std::numbers::pi_v<float> * uniform(random); };
-    const float a = angle(), b = angle(), size = 0.05f + 0.2f * uniform(random);
-    const Vec3 x(std::cos(a), 0, std::sin(a));
-    const Vec3 y = std::cos(b) * Vec3(0, 1, 0) + std::sin(b) * glm::cross(x, Vec3(0, 1, 0));
-    const Vec3 place((uniform(random) - 0.5f) * kFloorSide, 0.3f + 5 * uniform(random),
-                     (uniform(random) - 0.5f) * kFloorSide);
-    delta.upsert_instances.push_back(
-        {.id = "box" + std::to_string(i),
-         .mesh = box,
-         .world_from_mesh = Affine(size * x, size * y, size * glm::cross(x, y), place)});
-  }
-  return delta;
-}
 
 // A torus with ripples: 200,000 triangles, closed.
 MeshGeometry RippledTorus() {
@@ -76,7 +45,7 @@ MeshGeometry RippledTorus() {
 
 // The mesh of `ply`, or the torus, at the middle of the floor and 4 m wide.
 SceneDelta Dragon(const std::string& ply) {
-  SceneDelta delta = Studio();
+  SceneDelta delta = Studio(kTexels);
   if (ply.empty()) {
     delta.upsert_instances = {{.id = "torus", .mesh = testing::MeshOf(RippledTorus())}};
   } else {
@@ -178,13 +147,15 @@ std::vector<Row> SoftTextureSuite(const BenchOptions& options) {
                options.threads);
   std::vector<Row> rows;
   for (const auto& [name, delta] :
-       {std::pair{"herf256", Boxes(84)}, std::pair{"boxes1000", Boxes(1000)},
+       {std::pair{"herf256", Boxes(84, kTexels)}, std::pair{"boxes1000", Boxes(1000, kTexels)},
         std::pair{"dragon", Dragon(options.ply)}}) {
     std::vector<Row> more = RunCase(name, delta, options);
     rows.insert(rows.end(), more.begin(), more.end());
   }
-  const std::vector<Row> more = RunIncremental("herf256_incremental", Boxes(84), options);
+  const std::vector<Row> more = RunIncremental("herf256_incremental", Boxes(84, kTexels), options);
   rows.insert(rows.end(), more.begin(), more.end());
+  const std::vector<Row> drag = DragRows(options);
+  rows.insert(rows.end(), drag.begin(), drag.end());
   return rows;
 }
 

@@ -1,7 +1,10 @@
 // Small meshes and receivers for tests.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,6 +35,29 @@ inline MeshGeometry UnitSquareGeometry() {
           .indices = {0, 1, 2, 0, 2, 3},
           .normals = {},
           .uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+}
+
+// The unit sphere in `around` sectors and `across` rings, its poles on the y axis. It is closed, its
+// faces are counter-clockwise seen from outside, and at the poles triangles have no area.
+inline MeshGeometry BallGeometry(int around, int across) {
+  MeshGeometry ball;
+  for (int i = 0; i <= across; ++i) {
+    const double b = std::numbers::pi * i / across;
+    const double ring = i == 0 || i == across ? 0 : std::sin(b);
+    for (int j = 0; j < around; ++j) {
+      const double a = 2 * std::numbers::pi * j / around;
+      ball.positions.emplace_back(ring * std::cos(a), std::cos(b), ring * std::sin(a));
+    }
+  }
+  for (int i = 0; i < across; ++i) {
+    for (int j = 0; j < around; ++j) {
+      const auto a = static_cast<uint32_t>(i * around + j);
+      const auto b = static_cast<uint32_t>(i * around + (j + 1) % around);
+      const uint32_t c = a + around, d = b + around;
+      ball.indices.insert(ball.indices.end(), {a, b, c, b, d, c});
+    }
+  }
+  return ball;
 }
 
 inline Affine Placed(Vec3 position, float scale = 1.0f) {

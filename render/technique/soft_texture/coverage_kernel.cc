@@ -25,8 +25,7 @@ void ProjectVertices(const float* x, const float* y, const float* z, size_t coun
 
 // A batch of triangles ready to be drawn, corners sorted by row.
 struct Batch {
-  // The lowest corner, the slope of the edge from it to the highest one, and that to the middle
-  // one.
+  // The lowest corner, and the slopes of the edges from it to the highest and to the middle one.
   HWY_ALIGN float x_low[kMaxLanes], y_low[kMaxLanes], long_slope[kMaxLanes], lower_slope[kMaxLanes];
   // The middle corner, and the slope of the edge from it to the highest one.
   HWY_ALIGN float x_middle[kMaxLanes], y_middle[kMaxLanes], upper_slope[kMaxLanes];
@@ -162,7 +161,10 @@ HWY_INLINE auto TooNearLight(const ProjectedVertices& vertices, const TriangleLa
   return hn::Not(hn::Ge(w, hn::Set(F(), kNearLightW)));
 }
 
-// The rows and columns of texel centres that the triangles span, cut to the window.
+// How far past its edge's end, in texels, rounding may put a crossing: see kGuardBand.
+constexpr float kCrossingSlack = 0x1.0p-10f;
+
+// The rows and columns of texel centres that the triangles may cover, cut to the window.
 struct Extent {
   VF row_begin, row_end, column_begin, column_end;
 };
@@ -190,8 +192,8 @@ struct Selection {
   uint32_t draw, defer;
 };
 
-// Leaves out what faces away or misses every texel centre, tells what needs more precision, and
-// stores the rest.
+// Leaves out what faces away or misses every texel centre, tells what needs more precision, stores
+// the rest.
 HWY_INLINE Selection SelectAndStore(const ProjectedVertices& vertices,
                                     const TriangleList& triangles, uint32_t t,
                                     const TexelWindow& window, bool near_light, Batch& batch) {
@@ -209,8 +211,8 @@ HWY_INLINE Selection SelectAndStore(const ProjectedVertices& vertices,
     keep = hn::And(keep, FacesLight(lanes, triangles.facing + t));
   }
   Corners &low = lanes.a, &middle = lanes.b, &high = lanes.c;
-  const VF left = hn::Min(hn::Min(low.x, middle.x), high.x);
-  const VF right = hn::Max(hn::Max(low.x, middle.x), high.x);
+  const VF left = hn::Sub(hn::Min(hn::Min(low.x, middle.x), high.x), constant(kCrossingSlack));
+  const VF right = hn::Add(hn::Max(hn::Max(low.x, middle.x), high.x), constant(kCrossingSlack));
   SortByRow(low, middle);
   SortByRow(middle, high);
   SortByRow(low, middle);

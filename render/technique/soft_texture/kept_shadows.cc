@@ -1,59 +1,95 @@
 #include "render/technique/soft_texture/kept_shadows.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
+
+#include "render/technique/soft_texture/bit_counters.h"
 
 namespace penumbra {
 namespace {
 
-using Instances = ShadowBase::Instances;
-
 // What moves is drawn for every edit: keeping the rest pays while the rest is most of the work.
 constexpr double kMostThatMoves = 0.5;
+
+// An instance of the last scene, known by its identity; the scene may be gone.
+struct KnownInstance {
+  std::string id;
+  std::weak_ptr<const Instance> instance;
+  bool casts;
+
+  bool Is(const std::shared_ptr<const Instance>& other) const {
+    return !instance.owner_before(other) && !other.owner_before(instance);
+  }
+};
+
+// Sorted by id.
+using KnownInstances = std::vector<KnownInstance>;
 
 // Kept from one computation to the next.
 struct Memory {
   ShadowSubject subject;
-  Instances instances;  // of the last scene
+  KnownInstances known;
   std::shared_ptr<ShadowBase> base;
 };
 
-// The ids of casters that one of the two has and the other has not, or has otherwise.
-std::set<std::string> Differing(const Scene::Table<Instance>& a, const Scene::Table<Instance>& b) {
-  std::set<std::string> ids;
-  const auto add = [&](const auto& entry) {
-    if (entry.second->casts) ids.insert(entry.first);
-  };
-  auto i = a.begin(), j = b.begin();
-  while (i != a.end() || j != b.end()) {
-    if (j == b.end() || (i != a.end() && i->first < j->first)) {
-      add(*i++);
-    } else if (i == a.end() || j->first < i->first) {
-      add(*j++);
-    } else {
-      if (i->second != j->second) {
-        add(*i);
-        add(*j);
-      }
+KnownInstances KnowAll(const Scene::Table<Instance>& instances) {
+  KnownInstances known;
+  known.reserve(instances.size());
+  for (const auto& [id, instance] : instances) known.push_back({id, instance, instance->casts});
+  return known;
+}
+
+// Brings `known` up to date and tells the ids of casters that it had not, had otherwise, or has no
+// more.
+std::set<std::string> Update(KnownInstances& known, const Scene::Table<Instance>& instances) {
+  std::set<std::string> changed;
+  bool is_another_set = false;
+  auto k = known.begin();
+  for (auto i = instances.begin(); i != instances.end() || k != known.end();) {
+    if (i == instances.end() || (k != known.end() && k->id < i->first)) {
+      if (k->casts) changed.insert(k->id);
+      is_another_set = true;
+      ++k;
+    } else if (k == known.end() || i->first < k->id) {
+      if (i->second->casts) changed.insert(i->first);
+      is_another_set = true;
       ++i;
-      ++j;
+    } else {
+      if (!k->Is(i->second)) {
+        if (k->casts || i->second->casts) changed.insert(k->id);
+        k->instance = i->second;
+        k->casts = i->second->casts;
+      }
+      ++k;
+      ++i;
     }
   }
-  return ids;
+  if (is_another_set) known = KnowAll(instances);
+  return changed;
+}
+
+struct Triangles {
+  uint64_t all = 0, moving = 0;
+};
+
+Triangles CountTriangles(const Scene& scene, const std::set<std::string>& moving) {
+  Triangles count;
+  for (const auto& [id, instance] : scene.instances()) {
+    if (!instance->casts) continue;
+    count.all += instance->mesh->triangle_count();
+    if (moving.contains(id)) count.moving += instance->mesh->triangle_count();
+  }
+  return count;
 }
 
 bool AreMostlyStill(const Scene& scene, const std::set<std::string>& moving) {
-  uint64_t all = 0, in_motion = 0;
-  for (const auto& [id, instance] : scene.instances()) {
-    if (!instance->casts) continue;
-    all += instance->mesh->triangle_count();
-    if (moving.contains(id)) in_motion += instance->mesh->triangle_count();
-  }
-  return static_cast<double>(in_motion) <= kMostThatMoves * static_cast<double>(all);
+  const Triangles count = CountTriangles(scene, moving);
+  return static_cast<double>(count.moving) <= kMostThatMoves * static_cast<double>(count.all);
 }
 
 std::shared_ptr<ShadowBase> NewBase(MemoryBudget& budget, const ShadowSubject& subject,
-                                    const Scene& scene, std::set<std::string> moving) {
+                                    std::set<std::string> moving) {
   const ReceiverPatch& receiver = subject.receiver;
   const uint32_t samples = subject.params.samples;
   const size_t texels = size_t{receiver.width} * receiver.height;
@@ -61,12 +97,11 @@ std::shared_ptr<ShadowBase> NewBase(MemoryBudget& budget, const ShadowSubject& s
                            texels * sizeof(uint16_t));
   if (!lease) return nullptr;
   return std::make_shared<ShadowBase>(
-      ShadowBase{.subject = subject,
-                 .moving = std::move(moving),
-                 .instances = scene.shared_instances(),
+      ShadowBase{.moving = std::move(moving),
                  .lease = *std::move(lease),
                  .shadows = SampleShadows(receiver.width, receiver.height, samples),
-                 .counts = {},
+                 .drawn = 0,
+                 .counts = std::vector<uint16_t>(texels, 0),
                  .samples = {}});
 }
 
@@ -92,39 +127,45 @@ void SampleShadows::Subtract(uint32_t sample, uint32_t first_row, ShadowBitmap& 
   }
 }
 
-ShadowPlan PlanShadows(TechniqueMemory& memory, const ShadowSubject& subject, const Scene& scene) {
-  const auto kept = std::static_pointer_cast<Memory>(memory.kept);
-  const Instances instances = scene.shared_instances();
-  const bool is_known = kept && kept->subject == subject;
-  std::shared_ptr<ShadowBase> base = is_known ? kept->base : nullptr;
-  std::set<std::string> moving;
-  if (is_known) moving = Differing(*kept->instances, *instances);
-  memory.kept = nullptr;  // if this computation comes to nothing, so does what it was to keep
-
-  const auto now = std::make_shared<Memory>(Memory{subject, instances, nullptr});
-  const auto keep = [&](std::shared_ptr<ShadowBase> next) {
-    now->base = std::move(next);
-    memory.kept = now;
-  };
-  if (base && !base->counts.empty()) {
-    const std::set<std::string> changed = Differing(*base->instances, *instances);
-    if (std::includes(base->moving.begin(), base->moving.end(), changed.begin(), changed.end())) {
-      keep(base);
-      return {.base = base, .base_is_drawn = true};
+std::vector<uint16_t> SampleShadows::Counts(uint32_t samples) const {
+  ShadowBitmap bitmap(width_, height_);
+  std::vector<std::vector<uint32_t>> planes(std::bit_width(samples),
+                                            std::vector<uint32_t>(bitmap.words.size()));
+  for (uint32_t sample = 0; sample < samples; ++sample) {
+    for (uint32_t c = 0; c < columns_; ++c) {
+      std::copy_n(&words_[At(sample, c, 0)], height_, bitmap.Column(c));
     }
+    bitmap.Touch(0, columns_, 0, height_);
+    AddAndClear(bitmap, planes);
+  }
+  std::vector<uint16_t> counts(size_t{width_} * height_, 0);
+  for (uint32_t row = 0; row < height_; ++row) {
+    AddRowCounts(planes, bitmap.stride, row, width_, &counts[size_t{row} * width_]);
+  }
+  return counts;
+}
+
+EditPlan PlanEdit(TechniqueMemory& memory, const ShadowSubject& subject, const Scene& scene) {
+  auto kept = std::static_pointer_cast<Memory>(memory.kept);
+  if (!kept || kept->subject != subject) {
+    memory.kept = std::make_shared<Memory>(Memory{subject, KnowAll(scene.instances()), nullptr});
+    return {};
+  }
+  std::set<std::string> moving = Update(kept->known, scene.instances());
+  std::shared_ptr<ShadowBase>& base = kept->base;
+  if (base &&
+      !std::includes(base->moving.begin(), base->moving.end(), moving.begin(), moving.end())) {
     // Two things that are moved in turn both stay out of the base.
     std::set<std::string> both = moving;
     both.insert(base->moving.begin(), base->moving.end());
     if (AreMostlyStill(scene, both)) moving = std::move(both);
+    base = nullptr;  // gives its bytes back before others are taken
   }
-  base = nullptr;  // gives its bytes back before others are taken
-  if (is_known) kept->base = nullptr;
-  std::shared_ptr<ShadowBase> next;
-  if (!moving.empty() && AreMostlyStill(scene, moving)) {
-    next = NewBase(memory.budget, subject, scene, std::move(moving));
+  if (!base && !moving.empty() && AreMostlyStill(scene, moving)) {
+    base = NewBase(memory.budget, subject, std::move(moving));
   }
-  keep(next);
-  return {.base = next, .base_is_drawn = false};
+  if (!base) return {};
+  return {.base = base, .moving_triangles = CountTriangles(scene, base->moving).moving};
 }
 
 }  // namespace penumbra

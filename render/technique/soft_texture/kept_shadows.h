@@ -1,7 +1,7 @@
 // Updating a texture after an edit by drawing what moved over the kept shadows of what stayed.
 //
-//   ShadowPlan plan = PlanShadows(memory, subject, scene);
-//   if (plan.base) …  // draw plan.base->moving over the base, which may have to be drawn first
+//   EditPlan plan = PlanEdit(memory, subject, scene);
+//   if (plan.base) …  // draw plan.base->moving over the base, once that is drawn far enough
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,8 @@ namespace penumbra {
 class SampleShadows {
  public:
   SampleShadows(uint32_t width, uint32_t height, uint32_t samples)
-      : columns_((width + 31) / 32),
+      : width_(width),
+        columns_((width + 31) / 32),
         height_(height),
         words_(size_t{columns_} * height * samples, 0u) {}
 
@@ -37,12 +38,17 @@ class SampleShadows {
   // Clears the bits of `bitmap` that are set here.
   void Subtract(uint32_t sample, uint32_t first_row, ShadowBitmap& bitmap) const;
 
+  // How many of the first `samples` shadows hide each texel.
+  //
+  // Shapes  the texture's H×W → H·W counts, row by row
+  std::vector<uint16_t> Counts(uint32_t samples) const;
+
  private:
   size_t At(uint32_t sample, uint32_t column, uint32_t row) const {
     return (size_t{sample} * columns_ + column) * height_ + row;
   }
 
-  uint32_t columns_, height_;
+  uint32_t width_, columns_, height_;
   std::vector<uint32_t> words_;
 };
 
@@ -55,29 +61,28 @@ struct ShadowSubject {
   friend bool operator==(const ShadowSubject&, const ShadowSubject&) = default;
 };
 
-// What is drawn and what is taken as it is.
+// The shadows of all that stays, in the order of the samples. A computation that is stopped leaves
+// what it has drawn to the next one.
 struct ShadowBase {
-  using Instances = std::shared_ptr<const Scene::Table<Instance>>;
-
-  ShadowSubject subject;
-  std::set<std::string> moving;  // left out of the base
-  Instances instances;           // of the scene that the base was drawn from
+  std::set<std::string> moving;  // left out
   MemoryBudget::Lease lease;
   SampleShadows shadows;
-  std::vector<uint16_t> counts;  // samples hidden by the base; empty until it is drawn
+  uint32_t drawn = 0;            // samples
+  std::vector<uint16_t> counts;  // H·W: how many of those drawn are hidden
   std::vector<LightSample> samples;
 };
 
-struct ShadowPlan {
+struct EditPlan {
   std::shared_ptr<ShadowBase> base;  // null: draw everything, keep nothing
-  bool base_is_drawn = false;        // otherwise draw it first
+  uint64_t moving_triangles = 0;
 };
 
 // How to compute `subject` on `scene`, given what `memory` kept of the scenes before; it then keeps
 // this one.
 //
 // An instance that differs from the last scene's is taken to go on moving: the base is everything
-// else. It is drawn anew when something of it changes, at the cost of computing without it.
-ShadowPlan PlanShadows(TechniqueMemory& memory, const ShadowSubject& subject, const Scene& scene);
+// else. A new one is begun when something of it changes, at the cost of computing without it.
+// Scenes, and with them their meshes, are not held on to.
+EditPlan PlanEdit(TechniqueMemory& memory, const ShadowSubject& subject, const Scene& scene);
 
 }  // namespace penumbra

@@ -17,6 +17,10 @@ struct Corner {
   Vec2 uv;
 };
 
+// A mesh keeps 100 bytes a triangle to find its outline with, and takes a microsecond a triangle to
+// find them; nobody can stop that, and no budget counts it.
+constexpr size_t kMostTrianglesForAnOutline = 1u << 20;
+
 // Appends one instance after another to a set.
 class SetBuilder {
  public:
@@ -81,7 +85,9 @@ class SetBuilder {
 
  private:
   std::optional<Outline> OutlineOf(const Instance& instance) const {
-    if (instance.alpha_mask || instance.mesh->triangle_count() < outlines_.min_triangles) return {};
+    const size_t triangles = instance.mesh->triangle_count();
+    if (instance.alpha_mask || triangles < outlines_.min_triangles) return {};
+    if (triangles > kMostTrianglesForAnOutline) return {};
     DMat4 world_from_mesh(1.0);
     for (int column = 0; column < 4; ++column) {
       world_from_mesh[column] = DVec4(DVec3(instance.world_from_mesh[column]), column == 3);

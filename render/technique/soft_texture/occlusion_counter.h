@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -34,8 +35,12 @@ class OcclusionCounter {
   OcclusionCounter(const Scene& scene, const ReceiverPatch& receiver, double surface_offset,
                    VisibilityMethod method, CasterFilter casters = {});
 
-  // From now on each sample's shadow is also put into `shadows`, at the sample's number.
-  void StoreIn(SampleShadows& shadows) { stored_in_ = &shadows; }
+  // From now on each sample's shadow is also put into `shadows`, at the sample's number; the next
+  // sample has number `next`.
+  void StoreIn(SampleShadows& shadows, uint32_t next) {
+    stored_in_ = &shadows;
+    added_ = next;
+  }
   // From now on what is hidden in `shadows` does not count.
   void CountBeyond(const SampleShadows& shadows) { beyond_ = &shadows; }
 
@@ -49,6 +54,10 @@ class OcclusionCounter {
 
   // H·W, row by row.
   const std::vector<uint16_t>& counts() const { return counts_; }
+  // The same; counting begins anew.
+  std::vector<uint16_t> TakeCounts() {
+    return std::exchange(counts_, std::vector<uint16_t>(counts_.size(), 0));
+  }
 
  private:
   // A sample's map, and the occluders on its side of the receiver.
@@ -75,7 +84,7 @@ class OcclusionCounter {
   CasterFilter casters_;
   SampleShadows* stored_in_ = nullptr;
   const SampleShadows* beyond_ = nullptr;
-  uint32_t added_ = 0;  // samples so far
+  uint32_t added_ = 0;  // the next sample's number
   std::array<std::unique_ptr<OccluderSet>, 2>
       occluders_;  // on the front, on the back; made on first use
   std::vector<uint16_t> counts_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -14,9 +15,13 @@
 namespace penumbra {
 namespace {
 
-// The first artifact comes after this many samples, each later one after this many times more.
+// The first artifact comes after this many samples, or as many as fit into the time budget, each
+// later one after this many times more.
 constexpr uint32_t kFirstPassSamples = 8;
 constexpr uint32_t kPassGrowth = 8;
+
+// What of a time budget computing may take: the rest is for the way to the client.
+constexpr double kComputingShare = 0.5;
 
 // Coordinates carry 24 bits. What lies in the receiver's plane is off it by a few units in the last
 // place of the largest coordinate; 32 of them are still a twentieth of a millimetre for a building
@@ -31,11 +36,15 @@ double SurfaceOffset(const Parallelogram& patch) {
   return std::ldexp(std::max(largest, size), -19);
 }
 
-// Samples that all passes up to and including `pass` count, of `n`. A last pass that would bring
-// less than half as many again is merged with the one before.
-uint32_t SamplesAfterPass(uint32_t pass, uint32_t n) {
-  uint64_t count = kFirstPassSamples;
-  for (uint32_t p = 0; p < pass && count < n; ++p) count *= kPassGrowth;
+// An edit whose samples, times the triangles and words of texels of each, are no more than this is
+// done sooner than a coarse pass of it is sent.
+constexpr uint64_t kWorkWorthAPass = 1u << 18;
+
+// How many of `n` samples are counted in all after the pass that follows one that ended with
+// `done`. A last pass that would bring less than half as many again is merged with the one before.
+uint32_t NextPassEnd(uint32_t done, uint32_t first, uint32_t n) {
+  if (done == 0) return std::min(first, n);
+  const uint64_t count = uint64_t{done} * kPassGrowth;
   return count + count / 2 >= n ? n : static_cast<uint32_t>(count);
 }
 
@@ -76,18 +85,13 @@ class Computation {
         receiver_(receiver),
         light_(std::move(light)),
         surface_offset_(SurfaceOffset(receiver.patch)),
-        plan_(Plan(scene)),
-        samples_(plan_.base_is_drawn
-                     ? plan_.base->samples
-                     : SampleLight(*light_, ParamsOf(spec).samples, ParamsOf(spec).seed,
-                                   receiver.patch.At(Vec2(0.5f)))),
-        moving_(scene, receiver_, surface_offset_, ParamsOf(spec).method, CastersOf(true)) {
+        scene_(scene),
+        plan_(Plan()),
+        samples_(Samples()),
+        moving_(scene, receiver_, surface_offset_, params().method, CastersOf(true)) {
     if (plan_.base) {
+      plan_.base->samples = samples_;
       moving_.CountBeyond(plan_.base->shadows);
-      if (!plan_.base_is_drawn) {
-        still_.emplace(scene, receiver_, surface_offset_, ParamsOf(spec).method, CastersOf(false));
-        still_->StoreIn(plan_.base->shadows);
-      }
     }
     header_.scene_id = scene.id();
     header_.revision = scene.revision();
@@ -97,41 +101,39 @@ class Computation {
     header_.receiver_id = spec.receiver_id;
     header_.samples_requested = static_cast<uint32_t>(samples_.size());
     header_.parameters = {{"samples", absl::StrCat(samples_.size())},
-                          {"seed", absl::StrCat(ParamsOf(spec).seed)},
-                          {"radiance", ParamsOf(spec).radiance ? "true" : "false"},
+                          {"seed", absl::StrCat(params().seed)},
+                          {"radiance", params().radiance ? "true" : "false"},
+                          {"method", std::string(NameOf(params().method))},
                           {"surface_offset_m", absl::StrFormat("%.17g", surface_offset_)}};
   }
 
   absl::StatusOr<Artifact> Run() {
     const auto n = static_cast<uint32_t>(samples_.size());
-    uint32_t done = 0;
-    for (uint32_t pass = 0; done < n; ++pass) {
-      const uint32_t upto =
-          context_.progress && !plan_.base_is_drawn ? SamplesAfterPass(pass, n) : n;
-      const auto added = std::span(samples_).subspan(done, upto - done);
-      if (still_) {
-        const auto status = still_->Add(added, context_.arena, context_.stop);
-        if (!status.ok()) return status;
+    const uint32_t first = FirstPassSamples(n);
+    for (uint32_t done = 0;; ++header_.pass) {
+      const uint32_t upto = NextPassEnd(done, first, n);
+      if (const auto status = Draw(done, upto); !status.ok()) return status;
+      Artifact artifact = MakeArtifact(upto);
+      if (context_.stop.stop_requested()) return absl::CancelledError("stop requested");
+      if (FirstPassPace* const pace = Pace(); pace && done == 0) {
+        pace->Learn(upto, watch_.ElapsedMs());
       }
-      const auto status = moving_.Add(added, context_.arena, context_.stop);
-      if (!status.ok()) return status;
+      if (upto == n) return artifact;
+      context_.progress(std::move(artifact));
       done = upto;
-      header_.pass = pass;
-      if (done < n) context_.progress(MakeArtifact(done));
     }
-    if (still_) {
-      plan_.base->counts = still_->counts();
-      plan_.base->samples = samples_;
-    }
-    Artifact artifact = MakeArtifact(n);
-    if (context_.stop.stop_requested()) return absl::CancelledError("stop requested");
-    return artifact;
   }
 
  private:
-  ShadowPlan Plan(const Scene& scene) const {
+  const SoftTextureParams& params() const { return ParamsOf(spec_); }
+
+  EditPlan Plan() const {
     if (!context_.memory) return {};
-    return PlanShadows(*context_.memory, {receiver_, *light_, ParamsOf(spec_)}, scene);
+    return PlanEdit(*context_.memory, {receiver_, *light_, params()}, scene_);
+  }
+  std::vector<LightSample> Samples() const {
+    if (plan_.base && !plan_.base->samples.empty()) return plan_.base->samples;
+    return SampleLight(*light_, params().samples, params().seed, receiver_.patch.At(Vec2(0.5f)));
   }
   CasterFilter CastersOf(bool moving) const {
     if (!plan_.base) return {};
@@ -140,19 +142,60 @@ class Computation {
     };
   }
 
+  FirstPassPace* Pace() const {
+    if (!context_.memory) return nullptr;
+    return plan_.base ? &context_.memory->pace_of_edits : &context_.memory->pace;
+  }
+
+  uint32_t FirstPassSamples(uint32_t n) const {
+    if (!context_.progress) return n;
+    const uint64_t texels = uint64_t{receiver_.width} * receiver_.height;
+    const bool is_all_but_done = plan_.base && plan_.base->drawn == n;
+    if (is_all_but_done && n * (plan_.moving_triangles + texels / 32) <= kWorkWorthAPass) return n;
+    if (spec_.time_budget_ms <= 0 || !Pace()) return kFirstPassSamples;
+    return Pace()->Samples(kComputingShare * spec_.time_budget_ms, kFirstPassSamples);
+  }
+
+  // Samples [done, upto), over the base where there is one.
+  absl::Status Draw(uint32_t done, uint32_t upto) {
+    if (plan_.base && upto > plan_.base->drawn) {
+      if (const auto status = ExtendBase(upto); !status.ok()) return status;
+    }
+    return moving_.Add(std::span(samples_).subspan(done, upto - done), context_.arena,
+                       context_.stop);
+  }
+
+  absl::Status ExtendBase(uint32_t upto) {
+    ShadowBase& base = *plan_.base;
+    if (!still_) {
+      still_.emplace(scene_, receiver_, surface_offset_, params().method, CastersOf(false));
+      still_->StoreIn(base.shadows, base.drawn);
+    }
+    const auto status = still_->Add(std::span(samples_).subspan(base.drawn, upto - base.drawn),
+                                    context_.arena, context_.stop);
+    if (!status.ok()) return status;
+    const std::vector<uint16_t> added = still_->TakeCounts();
+    std::transform(added.begin(), added.end(), base.counts.begin(), base.counts.begin(),
+                   std::plus<uint16_t>());
+    base.drawn = upto;
+    return absl::OkStatus();
+  }
+
   std::vector<uint16_t> VisibleCounts(uint32_t done) const {
-    const auto all = static_cast<uint16_t>(done);
     const std::vector<uint16_t>& hidden = moving_.counts();
     std::vector<uint16_t> visible(hidden.size());
-    const auto beyond = [all](uint16_t a, uint16_t b) {
-      return static_cast<uint16_t>(all - a - b);
+    const auto beyond = [done](uint16_t a, uint16_t b) {
+      return static_cast<uint16_t>(done - a - b);
     };
-    if (plan_.base) {
-      const std::vector<uint16_t>& base = still_ ? still_->counts() : plan_.base->counts;
-      std::transform(hidden.begin(), hidden.end(), base.begin(), visible.begin(), beyond);
-    } else {
+    if (!plan_.base) {
       std::transform(hidden.begin(), hidden.end(), visible.begin(),
                      [&](uint16_t a) { return beyond(a, 0); });
+    } else if (plan_.base->drawn == done) {
+      std::transform(hidden.begin(), hidden.end(), plan_.base->counts.begin(), visible.begin(),
+                     beyond);
+    } else {
+      const std::vector<uint16_t> base = plan_.base->shadows.Counts(done);
+      std::transform(hidden.begin(), hidden.end(), base.begin(), visible.begin(), beyond);
     }
     return visible;
   }
@@ -161,7 +204,7 @@ class Computation {
     SoftShadowTexture texture{
         .receiver = receiver_, .light = *light_, .visibility = {}, .radiance = {}};
     texture.visibility = {receiver_.width, receiver_.height, done, VisibleCounts(done)};
-    if (ParamsOf(spec_).radiance) {
+    if (params().radiance) {
       const Stopwatch shading(context_.now_ms);
       RunIn(context_.arena, [&] { texture.radiance = ReflectedRadiance(texture, context_.stop); });
       header_.timings_ms["shading"] = shading.ElapsedMs();
@@ -181,9 +224,10 @@ class Computation {
   ReceiverPatch receiver_;
   std::shared_ptr<const AreaLight> light_;
   double surface_offset_;
-  ShadowPlan plan_;
+  const Scene& scene_;
+  EditPlan plan_;
   std::vector<LightSample> samples_;
-  // What is drawn over the base, or everything where there is none; and the base, where it is to be
+  // What is drawn over the base, or everything where there is none; and what of the base has to be
   // drawn.
   OcclusionCounter moving_;
   std::optional<OcclusionCounter> still_;
@@ -199,6 +243,7 @@ absl::Status SoftTexture::Check(const Scene& scene, const ArtifactSpec& spec) co
         absl::StatusCode::kInvalidArgument, "RANGE", "soft_texture.samples",
         absl::StrCat("found ", samples, ", need 1 to ", SceneLimits{}.max_light_samples));
   }
+  if (const auto status = CheckTimeBudget(spec); !status.ok()) return status;
   if (!scene.FindLight(spec.light_id)) {
     return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "light_id",
                       absl::StrCat("found ", spec.light_id, ", need a light of the scene"));

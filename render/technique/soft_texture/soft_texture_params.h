@@ -22,6 +22,10 @@ enum class VisibilityMethod : uint8_t {
 inline constexpr std::array<std::string_view, 4> kVisibilityMethodNames = {
     "auto", "coverage", "edge_flag", "silhouette"};
 
+constexpr std::string_view NameOf(VisibilityMethod method) {
+  return kVisibilityMethodNames[static_cast<size_t>(method)];
+}
+
 inline std::optional<VisibilityMethod> VisibilityMethodNamed(std::string_view name) {
   for (size_t i = 0; i < kVisibilityMethodNames.size(); ++i) {
     if (kVisibilityMethodNames[i] == name) return static_cast<VisibilityMethod>(i);

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "client/display/camera.h"
 #include "client/display/picture.h"
 #include "render/artifact/artifact.h"
+#include "render/scene/camera.h"
 #include "render/scene/scene.h"
 
 namespace penumbra {

@@ -21,7 +21,8 @@ TEST(SpecConvertTest, EveryTechniqueGoesThereAndBack) {
   const ArtifactSpec spec{
       .params = SoftTextureParams{.samples = 3, .seed = ~uint64_t{0}, .radiance = true},
       .light_id = "l",
-      .receiver_id = "r"};
+      .receiver_id = "r",
+      .time_budget_ms = 33};
   EXPECT_EQ(*FromProto(ToProto(spec)), spec);
   for (const std::string_view name : kVisibilityMethodNames) {
     ArtifactSpec by_method = spec;
@@ -36,6 +37,12 @@ TEST(SpecConvertTest, AnUnknownMethodIsRefused) {
   v1::ArtifactSpec proto;
   proto.mutable_soft_texture()->set_method(static_cast<v1::VisibilityMethod>(99));
   EXPECT_EQ(ErrorFieldPath(FromProto(proto).status()), "spec.soft_texture.method");
+}
+
+TEST(SpecConvertTest, ATimeBudgetThatIsNoTimeIsRefused) {
+  ArtifactSpec spec{.params = SoftTextureParams{}, .light_id = "l", .receiver_id = "r"};
+  spec.time_budget_ms = -1;
+  EXPECT_EQ(ErrorFieldPath(FromProto(ToProto(spec)).status()), "spec.time_budget_ms");
 }
 
 TEST(SpecConvertTest, AbsentParametersAreTheDefaults) {

@@ -1,4 +1,4 @@
-#include "client/display/camera.h"
+#include "render/scene/camera.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

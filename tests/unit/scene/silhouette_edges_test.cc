@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <tuple>
 
 #include "gtest/gtest.h"
@@ -17,23 +16,11 @@ namespace {
 
 // A ball with dents; `dents` 0: smooth.
 MeshGeometry Ball(int around, int across, double dents) {
-  MeshGeometry ball;
+  MeshGeometry ball = BallGeometry(around, across);
   Dice dice(5);
-  for (int i = 0; i <= across; ++i) {
-    for (int j = 0; j < around; ++j) {
-      const double a = 2 * std::numbers::pi * j / around, b = std::numbers::pi * i / across;
-      const bool is_pole = i == 0 || i == across;
-      const double r = 1 + (is_pole ? 0 : dents * dice.Between(-1, 1));
-      ball.positions.emplace_back(is_pole ? 0 : r * std::sin(b) * std::cos(a), r * std::cos(b),
-                                  is_pole ? 0 : r * std::sin(b) * std::sin(a));
-    }
-  }
-  for (uint32_t i = 0; i < static_cast<uint32_t>(across); ++i) {
-    for (uint32_t j = 0; j < static_cast<uint32_t>(around); ++j) {
-      const uint32_t a = i * around + j, b = i * around + (j + 1) % around;
-      const uint32_t c = a + around, d = b + around;
-      ball.indices.insert(ball.indices.end(), {a, b, c, b, d, c});
-    }
+  for (Vec3& p : ball.positions) {
+    const bool is_pole = p.x == 0 && p.z == 0;
+    if (!is_pole) p *= static_cast<float>(1 + dents * dice.Between(-1, 1));
   }
   return ball;
 }
@@ -124,6 +111,28 @@ TEST(SilhouetteEdges, OfBoxesSquaresAndNothing) {
 
 TEST(SilhouetteEdges, OfMeshesThatAreNoManifolds) {
   for (uint64_t seed = 0; seed < 60; ++seed) ExpectOutlines(Tangle(seed), 20);
+}
+
+// From where suns stand that have been set by hand: there, some bounds are seen edge-on to the bit.
+TEST(SilhouetteEdges, FromAlongTheAxes) {
+  for (const MeshGeometry& mesh :
+       {Ball(40, 30, 0), Ball(50, 50, 0.1), UnitBoxGeometry(), Tangle(3)}) {
+    const SilhouetteEdges edges(mesh.positions, mesh.indices);
+    for (int axis = 0; axis < 6; ++axis) {
+      DVec4 viewpoint(0.0);
+      viewpoint[axis / 2] = axis % 2 ? -1 : 1;
+      for (const double w : {0.0, 1e-3}) {
+        viewpoint.w = w;
+        SilhouetteList by_clusters, one_by_one, seen;
+        edges.Find(viewpoint, by_clusters);
+        edges.FindOneByOne(viewpoint, one_by_one);
+        edges.SeenFrom({viewpoint, 1e-3}).Find(viewpoint, seen);
+        ASSERT_EQ(OfList(mesh, by_clusters), OfList(mesh, one_by_one)) << axis;
+        ASSERT_EQ(by_clusters.count, one_by_one.count) << axis;
+        ASSERT_EQ(OfList(mesh, seen), OfList(mesh, one_by_one)) << axis;
+      }
+    }
+  }
 }
 
 TEST(SilhouetteEdges, AClosedMeshHasSharedEdgesOnly) {

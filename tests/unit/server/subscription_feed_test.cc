@@ -34,6 +34,10 @@ class ScriptedEngine : public Engine {
     ++subscriptions;
     return std::make_unique<Subscription>();
   }
+  absl::Status ReportView(const std::string&, const std::string&,
+                          const std::optional<View>&) override {
+    return absl::OkStatus();
+  }
 
   ArtifactCallback publish;
   int subscriptions = 0;

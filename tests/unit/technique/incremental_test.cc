@@ -27,6 +27,16 @@ class IncrementalTest : public ::testing::Test {
     }
     ASSERT_EQ(TextureOf(kept).visibility.counts, TextureOf(anew).visibility.counts) << what;
   }
+  // As when the next edit comes while the artifact is being refined.
+  void ComputeUntilFirstPass() {
+    std::stop_source stop;
+    const ComputeContext context{.arena = arena_,
+                                 .stop = stop.get_token(),
+                                 .progress = [&](const Artifact&) { stop.request_stop(); },
+                                 .memory = &memory_};
+    const auto result = TechniqueFor(spec_.params).Compute(*scene_, spec_, context);
+    EXPECT_TRUE(result.ok() || absl::IsCancelled(result.status()));
+  }
   Instance SomeBox(int i) { return *scene_->FindInstance("box" + std::to_string(i)); }
   SceneDelta Moved(int i, Vec3 by) {
     Instance box = SomeBox(i);
@@ -77,6 +87,7 @@ TEST_F(IncrementalTest, AnyChainOfEditsGivesWhatComputingAnewGives) {
       default:
         if (scene_->FindInstance(box)) Have(Moved(i, 0.2f * dice.InCube(1)));
     }
+    if (dice.Below(3) == 0) ComputeUntilFirstPass();
     ExpectTheSame("edit " + std::to_string(edit), edit % 3 == 0);
   }
 }
@@ -102,6 +113,45 @@ TEST_F(IncrementalTest, ACancelledComputationLeavesNothingWrongBehind) {
   ExpectTheSame("after");
   Have(Moved(3, Vec3(0.1f, 0, 0)));
   ExpectTheSame("and on");
+}
+
+TEST_F(IncrementalTest, EditsThatComeBeforeTheEndStillGetThroughTheBase) {
+  ExpectTheSame("at first");
+  for (int step = 0; step < 6; ++step) {
+    Have(Moved(3, Vec3(0.05f, 0, 0)));
+    ComputeUntilFirstPass();
+  }
+  ExpectTheSame("in the end");
+}
+
+// What moves is nearly half of all: that takes long enough to show something first.
+TEST_F(IncrementalTest, ALargeEditShowsACoarsePassFirst) {
+  const auto ball = MeshOf(BallGeometry(80, 80));
+  Instance still{.id = "still", .mesh = ball, .world_from_mesh = Placed(Vec3(1, 1, 1), 0.3f)};
+  Instance moved{.id = "moved", .mesh = ball, .world_from_mesh = Placed(Vec3(-1, 1, 0), 0.3f)};
+  Have({.upsert_instances = {still, moved}});
+  ExpectTheSame("at first");
+  for (int step = 0; step < 3; ++step) {
+    moved.world_from_mesh[3] += Vec3(0.1f, 0, 0);
+    Have({.upsert_instances = {moved}});
+    ExpectTheSame("step " + std::to_string(step), /*in_passes=*/true);
+    ASSERT_FALSE(passes_.empty());
+    EXPECT_EQ(TextureOf(passes_[0]).visibility.sample_count, 8u);
+  }
+}
+
+TEST_F(IncrementalTest, ScenesThatAreGoneAreNotHeldOnTo) {
+  Instance visitor = SomeBox(3);
+  visitor.id = "visitor";
+  visitor.mesh = MeshOf(BallGeometry(8, 6));
+  const std::weak_ptr<const Mesh> mesh = visitor.mesh;
+  Have({.upsert_instances = {visitor}});
+  ExpectTheSame("with it");
+  Have(Moved(4, Vec3(0.1f, 0, 0)));
+  ExpectTheSame("and a base that it is in");
+  visitor = {};
+  Have({.remove_instances = {"visitor"}});
+  EXPECT_TRUE(mesh.expired());
 }
 
 TEST_F(IncrementalTest, WithoutBudgetEverythingIsDrawn) {

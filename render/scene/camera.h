@@ -1,11 +1,13 @@
-// Where a picture is taken from.
+// Where a picture is taken from, and how much of it something fills.
 //
 //   Camera camera = FrameScene(scene.Bounds(), 16.0f / 9.0f);
+//   double share = ViewedShare({camera, 16.0 / 9.0}, patch);
 #pragma once
 
 #include "absl/status/status.h"
 #include "render/math/aabb.h"
 #include "render/math/vec.h"
+#include "render/scene/receiver.h"
 
 namespace penumbra {
 
@@ -25,5 +27,18 @@ DMat4 ClipFromWorld(const Camera& camera, double aspect);
 
 // The view from the front, right and above that just holds `bounds`. `aspect` is width over height.
 Camera FrameScene(const Aabb& bounds, float aspect);
+
+// What somebody looks at.
+struct View {
+  Camera camera;
+  double aspect = 1.5;  // width over height, > 0
+};
+
+// Errors  those of CheckCamera; RANGE at "camera.aspect"
+absl::Status CheckView(const View& view);
+
+// The part of the picture, in [0, 1], that `patch` fills, whichever side it shows and whatever
+// stands before it.
+double ViewedShare(const View& view, const Parallelogram& patch);
 
 }  // namespace penumbra

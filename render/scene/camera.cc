@@ -1,8 +1,9 @@
-#include "client/display/camera.h"
+#include "render/scene/camera.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "render/scene/field_error.h"
@@ -27,6 +28,19 @@ ViewFrame FrameOf(DVec3 forward, DVec3 up) {
   frame.right = glm::normalize(right);
   frame.up = glm::cross(frame.right, frame.forward);
   return frame;
+}
+
+// The part of a convex polygon with dot(plane, corner) ≥ 0.
+std::vector<DVec4> CutBy(DVec4 plane, const std::vector<DVec4>& corners) {
+  std::vector<DVec4> kept;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const DVec4& from = corners[i];
+    const DVec4& to = corners[(i + 1) % corners.size()];
+    const double a = glm::dot(plane, from), b = glm::dot(plane, to);
+    if (a >= 0) kept.push_back(from);
+    if ((a >= 0) != (b >= 0)) kept.push_back(from + a / (a - b) * (to - from));
+  }
+  return kept;
 }
 
 absl::Status Invalid(std::string_view reason, std::string_view field, std::string_view message) {
@@ -97,6 +111,33 @@ Camera FrameScene(const Aabb& bounds, float aspect) {
   camera.target = box.center();
   camera.eye = Vec3(center + distance * to_eye);
   return camera;
+}
+
+absl::Status CheckView(const View& view) {
+  if (absl::Status status = CheckCamera(view.camera); !status.ok()) return status;
+  if (std::isfinite(view.aspect) && view.aspect > 0) return absl::OkStatus();
+  return Invalid("RANGE", "camera.aspect",
+                 absl::StrCat("found ", view.aspect, ", need a number > 0"));
+}
+
+double ViewedShare(const View& view, const Parallelogram& patch) {
+  const DMat4 clip_from_world = ClipFromWorld(view.camera, view.aspect);
+  std::vector<DVec4> corners;
+  for (const Vec2 uv : {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1), Vec2(0, 1)}) {
+    corners.push_back(clip_from_world * DVec4(DVec3(patch.At(uv)), 1));
+  }
+  // Not nearer than the near plane (z ≤ w), and within the picture (|x| ≤ w, |y| ≤ w).
+  for (const DVec4 plane : {DVec4(0, 0, -1, 1), DVec4(1, 0, 0, 1), DVec4(-1, 0, 0, 1),
+                            DVec4(0, 1, 0, 1), DVec4(0, -1, 0, 1)}) {
+    corners = CutBy(plane, corners);
+  }
+  double twice = 0;  // in a picture of 2 × 2
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const DVec4 a = corners[i] / corners[i].w;
+    const DVec4 b = corners[(i + 1) % corners.size()] / corners[(i + 1) % corners.size()].w;
+    twice += a.x * b.y - a.y * b.x;
+  }
+  return std::min(1.0, std::abs(twice) / 8);
 }
 
 }  // namespace penumbra
