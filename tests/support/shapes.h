@@ -37,8 +37,8 @@ inline MeshGeometry UnitSquareGeometry() {
           .uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
 }
 
-// The unit sphere in `around` sectors and `across` rings, its poles on the y axis. It is closed, its
-// faces are counter-clockwise seen from outside, and at the poles triangles have no area.
+// The unit sphere in `around` sectors and `across` rings, its poles on the y axis. It is closed and
+// its faces are counter-clockwise seen from outside. At the poles triangles have no area.
 inline MeshGeometry BallGeometry(int around, int across) {
   MeshGeometry ball;
   for (int i = 0; i <= across; ++i) {
