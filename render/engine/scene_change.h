@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "render/engine/shadow_region.h"
 #include "render/math/aabb.h"
 #include "render/scene/scene.h"
+#include "render/scene/shadow_region.h"
 #include "render/technique/artifact_spec.h"
 
 namespace penumbra {

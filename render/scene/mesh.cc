@@ -118,4 +118,12 @@ const SilhouetteEdges& Mesh::silhouette_edges() const {
   return *silhouette_edges_;
 }
 
+const TriangleClusters& Mesh::triangle_clusters() const {
+  std::call_once(clusters_once_, [this] {
+    triangle_clusters_ =
+        std::make_unique<const TriangleClusters>(ClusterTriangles(positions(), indices()));
+  });
+  return *triangle_clusters_;
+}
+
 }  // namespace penumbra

@@ -18,6 +18,7 @@
 #include "render/scene/mesh_closure.h"
 #include "render/scene/scene_limits.h"
 #include "render/scene/silhouette_edges.h"
+#include "render/scene/triangle_clusters.h"
 
 namespace penumbra {
 
@@ -55,6 +56,7 @@ class Mesh {
   // Found on first use, kept with the mesh; any thread may ask.
   MeshClosure closure() const;
   const SilhouetteEdges& silhouette_edges() const;
+  const TriangleClusters& triangle_clusters() const;
 
  private:
   Mesh() = default;
@@ -67,6 +69,8 @@ class Mesh {
   mutable MeshClosure closure_ = MeshClosure::kOpen;
   mutable std::once_flag silhouette_once_;
   mutable std::unique_ptr<const SilhouetteEdges> silhouette_edges_;
+  mutable std::once_flag clusters_once_;
+  mutable std::unique_ptr<const TriangleClusters> triangle_clusters_;
 };
 
 }  // namespace penumbra

@@ -38,6 +38,7 @@ std::shared_ptr<const Scene> Scene::Empty(std::string id) {
   std::shared_ptr<Scene> scene(new Scene);
   scene->id_ = std::move(id);
   scene->instances_ = std::make_shared<Table<Instance>>();
+  scene->casters_ = std::make_shared<CasterTreeOnDemand>();
   scene->lights_ = std::make_shared<Table<AreaLight>>();
   scene->receivers_ = std::make_shared<Table<Receiver>>();
   return scene;

@@ -16,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "render/math/aabb.h"
 #include "render/scene/area_light.h"
+#include "render/scene/caster_tree.h"
 #include "render/scene/content_hash.h"
 #include "render/scene/instance.h"
 #include "render/scene/receiver.h"
@@ -72,6 +73,9 @@ class Scene {
   const Table<Instance>& instances() const { return *instances_; }
   // The same table; scenes between which no instance changed share it.
   std::shared_ptr<const Table<Instance>> shared_instances() const { return instances_; }
+  // The instances that cast shadows, by place. Found on first use and kept with the table of
+  // instances: scenes that share the one share the other. Any thread may ask.
+  const CasterTree& casters() const { return casters_->Of(*instances_); }
   const Table<AreaLight>& lights() const { return *lights_; }
   const Table<Receiver>& receivers() const { return *receivers_; }
 
@@ -93,6 +97,7 @@ class Scene {
   Revision revision_ = 0;
   ContentHash content_hash_;
   std::shared_ptr<const Table<Instance>> instances_;
+  std::shared_ptr<CasterTreeOnDemand> casters_;  // of `instances_`
   std::shared_ptr<const Table<AreaLight>> lights_;
   std::shared_ptr<const Table<Receiver>> receivers_;
 };

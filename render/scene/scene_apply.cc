@@ -190,6 +190,22 @@ absl::Status CheckTriangles(const Scene::Table<Instance>& instances, const Scene
                                  limits.max_triangles_per_scene));
 }
 
+// What receivers' places depend on: the receivers and instances that a delta brings or takes away.
+class Touched {
+ public:
+  explicit Touched(const SceneDelta& delta) {
+    for (const Receiver& receiver : delta.upsert_receivers) receivers_.insert(receiver.id);
+    for (const Instance& instance : delta.upsert_instances) instances_.insert(instance.id);
+    for (const std::string& id : delta.remove_instances) instances_.insert(id);
+  }
+  bool Has(std::string_view receiver_id, std::string_view instance_id) const {
+    return receivers_.contains(receiver_id) || instances_.contains(instance_id);
+  }
+
+ private:
+  std::set<std::string_view> receivers_, instances_;
+};
+
 // Where in `delta` the receiver, or the instance that it lies on, was brought or taken away.
 std::string PathOfCause(const SceneDelta& delta, const std::string& receiver_id,
                         const std::string& instance_id) {
@@ -221,6 +237,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Apply(const SceneDelta& delt
       "QUOTA_INSTANCES",      limits.max_instances,   CheckInstance};
   auto instances = ApplyChange(instances_, instance_change, limits, next->content_hash_);
   if (!instances.ok()) return instances.status();
+  if (*instances != instances_) next->casters_ = std::make_shared<CasterTreeOnDemand>();
   next->instances_ = *std::move(instances);
   if (const auto status = CheckTriangles(*next->instances_, limits); !status.ok()) return status;
 
@@ -237,12 +254,12 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Apply(const SceneDelta& delt
   if (!receivers.ok()) return receivers.status();
   next->receivers_ = *std::move(receivers);
 
+  const Touched touched(delta);
   for (const auto& [id, receiver] : *next->receivers_) {
     const auto* planar = std::get_if<PlanarInstance>(&receiver->shape);
-    if (!planar) continue;
-    const std::string path = PathOfCause(delta, id, planar->instance_id);
-    if (path.empty()) continue;  // neither was touched
+    if (!planar || !touched.Has(id, planar->instance_id)) continue;
     if (const auto patch = next->ResolveReceiver(id); !patch.ok()) {
+      const std::string path = PathOfCause(delta, id, planar->instance_id);
       return FieldError(
           patch.status().code(), ErrorReason(patch.status()), path,
           absl::StrCat("receiver ", id, " would lose its plane: ", patch.status().message()));

@@ -72,4 +72,31 @@ SilhouetteEdges SilhouetteEdges::SeenFrom(const ViewBall& ball) const {
   return seen;
 }
 
+size_t SilhouetteEdges::bytes() const {
+  // Two vertices and two planes of four numbers an edge, nine numbers a cluster.
+  size_t numbers = 10 * (shared_.from.size() + border_.from.size());
+  for (const ClusterLevel& level : levels_) numbers += 9 * level.size();
+  return sizeof(float) * numbers;
+}
+
+std::vector<uint32_t> SilhouetteEdges::RenumberVertices(size_t vertex_count) {
+  constexpr uint32_t kUnseen = ~0u;
+  std::vector<uint32_t> number(vertex_count, kUnseen), used;
+  const auto renumber = [&](std::vector<uint32_t>& vertices, size_t count) {
+    for (size_t e = 0; e < count; ++e) {
+      uint32_t& n = number[vertices[e]];
+      if (n == kUnseen) {
+        n = static_cast<uint32_t>(used.size());
+        used.push_back(vertices[e]);
+      }
+      vertices[e] = n;
+    }
+  };
+  for (auto vertices : {&EdgeArrays::from, &EdgeArrays::to}) {
+    renumber(shared_.*vertices, shared_count_);
+    renumber(border_.*vertices, border_count_);
+  }
+  return used;
+}
+
 }  // namespace penumbra

@@ -81,9 +81,14 @@ class SilhouetteEdges {
   // for viewpoints in it, and looks at fewer edges.
   SilhouetteEdges SeenFrom(const ViewBall& ball) const;
 
+  // Numbers the vertices that edges run between from 0, and returns which they were of the mesh's
+  // `vertex_count`.
+  std::vector<uint32_t> RenumberVertices(size_t vertex_count);
+
   // Pairs of faces, and edges of one face.
   size_t shared_edge_count() const { return shared_count_; }
   size_t border_edge_count() const { return border_count_; }
+  size_t bytes() const;
 
  private:
   struct Builder;

@@ -29,11 +29,44 @@ HWY_INLINE auto InFront(const FacePlanes& planes, size_t i, const float (&v)[4])
   return hn::Gt(HeightOver(planes, i, v), hn::Zero(F()));
 }
 
-// Puts the lanes of `mask` one after another at `to`, which has room for a whole vector. (Storing
-// them directly, compressed, takes a hundred cycles on some processors.)
+// Lanes as bits of a number.
+template <class M>
+HWY_INLINE uint32_t BitsOf(M mask) {
+  uint8_t bytes[8] = {};
+  hn::StoreMaskBits(F(), mask, bytes);
+  return bytes[0] | uint32_t{bytes[1]} << 8;
+}
+
+#if HWY_TARGET == HWY_AVX2
+// For every choice of eight lanes, those that are chosen, one after another.
+struct ChosenLanes {
+  uint8_t of[256][8];
+
+  constexpr ChosenLanes() : of() {
+    for (uint32_t bits = 0; bits < 256; ++bits) {
+      for (uint8_t lane = 0, count = 0; lane < 8; ++lane) {
+        if ((bits >> lane & 1) != 0) of[bits][count++] = lane;
+      }
+    }
+  }
+};
+constexpr ChosenLanes kChosenLanes;
+#endif
+
+// Puts the lanes of `mask`, which are `bits`, one after another at `to`, which has room for a whole
+// vector. (Storing them directly, compressed, takes a hundred cycles on some processors, and for
+// AVX2 Highway's Compress copies a table of 1 KB to the stack each time.)
 template <class D, class V, class M, typename T>
-HWY_INLINE void StorePacked(D d, V v, M mask, T* to) {
+HWY_INLINE void StorePacked(D d, V v, M mask, uint32_t bits, T* to) {
+#if HWY_TARGET == HWY_AVX2
+  (void)mask;
+  const hn::Rebind<uint8_t, D> u8;
+  const auto lanes = hn::PromoteTo(hn::RebindToSigned<D>(), hn::LoadU(u8, kChosenLanes.of[bits]));
+  hn::StoreU(hn::TableLookupLanes(v, hn::IndicesFromVec(d, lanes)), d, to);
+#else
+  (void)bits;
   hn::StoreU(hn::Compress(v, mask), d, to);
+#endif
 }
 
 // Appends the edges of one vector that are among the first `valid` lanes.
@@ -45,14 +78,15 @@ HWY_INLINE void SelectVector(const EdgeArrays& edges, size_t e, size_t valid, co
   const auto left = hn::VecFromMask(f, InFront(edges.left, e, v));
   const auto right = hn::VecFromMask(f, InFront(edges.right, e, v));
   const auto found = hn::And(hn::MaskFromVec(hn::Xor(left, right)), hn::FirstN(f, valid));
-  if (hn::AllFalse(f, found)) return;
+  const uint32_t bits = BitsOf(found);
+  if (bits == 0) return;
   const auto in_u = hn::RebindMask(u, found);
   const auto weight =
       hn::IfThenElse(hn::RebindMask(i, hn::MaskFromVec(left)), hn::Set(i, 2), hn::Set(i, -2));
-  StorePacked(u, hn::LoadU(u, edges.from.data() + e), in_u, list.from.data() + list.count);
-  StorePacked(u, hn::LoadU(u, edges.to.data() + e), in_u, list.to.data() + list.count);
-  StorePacked(i, weight, hn::RebindMask(i, found), list.weight.data() + list.count);
-  list.count += hn::CountTrue(f, found);
+  StorePacked(u, hn::LoadU(u, edges.from.data() + e), in_u, bits, list.from.data() + list.count);
+  StorePacked(u, hn::LoadU(u, edges.to.data() + e), in_u, bits, list.to.data() + list.count);
+  StorePacked(i, weight, hn::RebindMask(i, found), bits, list.weight.data() + list.count);
+  list.count += static_cast<size_t>(__builtin_popcount(bits));
 }
 
 void SelectSharedEdges(const EdgeArrays& edges, size_t first, size_t count,
@@ -89,9 +123,7 @@ HWY_INLINE uint32_t Undecided(const ClusterLevel& c, size_t first, const float (
     const auto reach = hn::MulAdd(load(c.radius), w, slack);
     const auto is_narrow = hn::Gt(load(c.cos_spread), hn::Zero(f));
     const auto undecided = hn::Not(hn::And(is_narrow, hn::Gt(least, reach)));
-    uint8_t bytes[8] = {};
-    hn::StoreMaskBits(f, undecided, bytes);
-    bits |= (bytes[0] | uint32_t{bytes[1]} << 8) << k;
+    bits |= BitsOf(undecided) << k;
   }
   const size_t clusters = c.count - first;  // past these there is padding
   return clusters < kClusterEdges ? bits & ((1u << clusters) - 1) : bits;
@@ -146,7 +178,7 @@ void SelectSometimes(const EdgeArrays& edges, size_t count, std::span<const Clus
   size_t size = found.size();
   const auto reach = hn::Set(f, radius);
   const auto below = hn::Neg(reach);
-  ForEachUndecided(levels, viewpoint, radius, [&](size_t first) HWY_ATTR {
+  const auto look_into = [&](size_t first) HWY_ATTR {
     if (found.size() < size + 2 * kClusterEdges) found.resize(2 * size + 64 * kClusterEdges);
     for (size_t k = 0; k < kClusterEdges; k += hn::Lanes(f)) {
       const size_t e = first + k;
@@ -156,11 +188,17 @@ void SelectSometimes(const EdgeArrays& edges, size_t count, std::span<const Clus
       const auto decided =
           hn::Or(hn::Gt(hn::Min(left, right), reach), hn::Lt(hn::Max(left, right), below));
       const auto sometimes = hn::AndNot(decided, hn::FirstN(f, count - e));
-      StorePacked(u, hn::Iota(u, static_cast<uint32_t>(e)), hn::RebindMask(u, sometimes),
+      const uint32_t bits = BitsOf(sometimes);
+      StorePacked(u, hn::Iota(u, static_cast<uint32_t>(e)), hn::RebindMask(u, sometimes), bits,
                   found.data() + size);
-      size += hn::CountTrue(f, sometimes);
+      size += static_cast<size_t>(__builtin_popcount(bits));
     }
-  });
+  };
+  if (levels.empty()) {
+    for (size_t first = 0; first < count; first += kClusterEdges) look_into(first);
+  } else {
+    ForEachUndecided(levels, viewpoint, radius, look_into);
+  }
   found.resize(size);
 }
 

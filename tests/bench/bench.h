@@ -29,6 +29,10 @@ struct BenchOptions {
 using Suite = std::vector<Row> (*)(const BenchOptions&);
 
 std::vector<Row> SoftTextureSuite(const BenchOptions& options);
+// Parts of soft_texture that can be asked for alone.
+std::vector<Row> SilhouetteSuite(const BenchOptions& options);
+std::vector<Row> MethodsSuite(const BenchOptions& options);
+std::vector<Row> GrowthSuite(const BenchOptions& options);
 std::vector<Row> ServiceSuite(const BenchOptions& options);
 
 // What tells how soon shadows follow a drag; a part of SoftTextureSuite.

@@ -20,9 +20,14 @@ namespace {
 struct NamedSuite {
   const char* name;
   Suite run;
+  bool is_part = false;  // of another: not run unless it is named
 };
 
-constexpr NamedSuite kSuites[] = {{"soft_texture", SoftTextureSuite}, {"service", ServiceSuite}};
+constexpr NamedSuite kSuites[] = {{"soft_texture", SoftTextureSuite},
+                                  {"silhouette", SilhouetteSuite, true},
+                                  {"methods", MethodsSuite, true},
+                                  {"growth", GrowthSuite, true},
+                                  {"service", ServiceSuite}};
 
 void Print(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
@@ -83,9 +88,8 @@ int Main(int argc, char** argv) {
                                     static_cast<size_t>(options.threads));
   std::vector<Row> all;
   for (const NamedSuite& suite : kSuites) {
-    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), suite.name) == wanted.end()) {
-      continue;
-    }
+    const bool is_named = std::find(wanted.begin(), wanted.end(), suite.name) != wanted.end();
+    if (wanted.empty() ? suite.is_part : !is_named) continue;
     std::vector<Row> rows = suite.run(options);
     Print(rows);
     std::move(rows.begin(), rows.end(), std::back_inserter(all));

@@ -15,6 +15,7 @@
 #include "render/technique/technique.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/studio.h"
+#include "tests/support/rippled_torus.h"
 #include "tests/support/shapes.h"
 
 namespace penumbra::bench {
@@ -23,31 +24,12 @@ namespace {
 constexpr uint32_t kTexels = 256;
 constexpr uint32_t kSamples = 64;
 
-// A torus with ripples: 200,000 triangles, closed.
-MeshGeometry RippledTorus() {
-  constexpr uint32_t kAround = 500, kAcross = 200;
-  MeshGeometry torus;
-  for (uint32_t i = 0; i < kAround; ++i) {
-    for (uint32_t j = 0; j < kAcross; ++j) {
-      const float u = 2 * std::numbers::pi_v<float> * i / kAround;
-      const float v = 2 * std::numbers::pi_v<float> * j / kAcross;
-      const float r = 0.3f + 0.03f * std::sin(17 * u) * std::cos(9 * v);
-      torus.positions.emplace_back((1 + r * std::cos(v)) * std::cos(u), r * std::sin(v),
-                                   (1 + r * std::cos(v)) * std::sin(u));
-      const uint32_t a = i * kAcross + j, b = i * kAcross + (j + 1) % kAcross;
-      const uint32_t c = (i + 1) % kAround * kAcross + j;
-      const uint32_t d = (i + 1) % kAround * kAcross + (j + 1) % kAcross;
-      torus.indices.insert(torus.indices.end(), {a, b, c, b, d, c});
-    }
-  }
-  return torus;
-}
-
 // The mesh of `ply`, or the torus, at the middle of the floor and 4 m wide.
 SceneDelta Dragon(const std::string& ply) {
   SceneDelta delta = Studio(kTexels);
   if (ply.empty()) {
-    delta.upsert_instances = {{.id = "torus", .mesh = testing::MeshOf(RippledTorus())}};
+    delta.upsert_instances = {
+        {.id = "torus", .mesh = testing::MeshOf(testing::RippledTorus(500, 200))}};
   } else {
     auto imported = ImportScene(ply);
     if (!imported.ok()) {
@@ -152,10 +134,11 @@ std::vector<Row> SoftTextureSuite(const BenchOptions& options) {
     std::vector<Row> more = RunCase(name, delta, options);
     rows.insert(rows.end(), more.begin(), more.end());
   }
-  const std::vector<Row> more = RunIncremental("herf256_incremental", Boxes(84, kTexels), options);
-  rows.insert(rows.end(), more.begin(), more.end());
-  const std::vector<Row> drag = DragRows(options);
-  rows.insert(rows.end(), drag.begin(), drag.end());
+  for (const std::vector<Row>& more :
+       {RunIncremental("herf256_incremental", Boxes(84, kTexels), options),
+        SilhouetteSuite(options), GrowthSuite(options), DragRows(options)}) {
+    rows.insert(rows.end(), more.begin(), more.end());
+  }
   return rows;
 }
 

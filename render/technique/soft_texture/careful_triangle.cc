@@ -18,21 +18,26 @@ using HomogeneousPolygon = std::array<DVec3, ClippedPolygon::kMaxCorners>;
 // corner, so that neighbours agree.
 // Source  Sutherland and Hodgman 1974
 size_t Cut(HomogeneousPolygon& polygon, size_t size, DVec3 plane, double offset) {
-  HomogeneousPolygon kept{};
-  size_t count = 0;
-  const auto inside = [&](DVec3 p) { return glm::dot(plane, p) - offset; };
+  std::array<double, ClippedPolygon::kMaxCorners> inside;
+  size_t in_count = 0;
   for (size_t i = 0; i < size; ++i) {
-    const DVec3 from = polygon[i], to = polygon[(i + 1) % size];
-    const double from_inside = inside(from), to_inside = inside(to);
-    if (from_inside >= 0) kept[count++] = from;
-    if ((from_inside >= 0) == (to_inside >= 0)) continue;
-    const bool leaving = from_inside >= 0;
-    const DVec3 in = leaving ? from : to, out = leaving ? to : from;
-    const double d_in = leaving ? from_inside : to_inside;
-    const double d_out = leaving ? to_inside : from_inside;
-    kept[count++] = in + (out - in) * (d_in / (d_in - d_out));
+    inside[i] = glm::dot(plane, polygon[i]) - offset;
+    in_count += inside[i] >= 0;
   }
-  polygon = kept;
+  if (in_count == size) return size;
+  if (in_count == 0) return 0;
+  HomogeneousPolygon kept;
+  size_t count = 0;
+  for (size_t i = 0; i < size; ++i) {
+    const size_t next = i + 1 < size ? i + 1 : 0;
+    const bool from_is_in = inside[i] >= 0;
+    if (from_is_in) kept[count++] = polygon[i];
+    if (from_is_in == (inside[next] >= 0)) continue;
+    const size_t in = from_is_in ? i : next, out = from_is_in ? next : i;
+    kept[count++] =
+        polygon[in] + (polygon[out] - polygon[in]) * (inside[in] / (inside[in] - inside[out]));
+  }
+  std::copy_n(kept.begin(), count, polygon.begin());
   return count;
 }
 
@@ -62,7 +67,7 @@ Span SpanInRow(const ClippedPolygon& polygon, double row) {
 }  // namespace
 
 ClippedPolygon ClipToTexture(const HomogeneousTriangle& triangle, double width, double height) {
-  HomogeneousPolygon polygon{};
+  HomogeneousPolygon polygon;
   std::copy(triangle.begin(), triangle.end(), polygon.begin());
   size_t size = 3;
   const struct {
@@ -105,9 +110,14 @@ void FillPolygon(const ClippedPolygon& polygon, const TexelWindow& window,
     const uint32_t begin = clamped_column(span.left), end = clamped_column(span.right);
     if (begin >= end) continue;
     const uint32_t local_row = row - window.row_begin;
-    for (uint32_t column = begin; column < end; ++column) {
-      if (opaque && !opaque(column, row)) continue;
-      bitmap.Column(column / 32)[local_row] |= 1u << (column % 32);
+    for (uint32_t word = begin / 32; 32 * word < end; ++word) {
+      const uint32_t first = std::max(begin, 32 * word), last = std::min(end, 32 * word + 32);
+      uint32_t bits = 0;
+      if (!opaque) bits = (~0u >> (32 - (last - first))) << (first % 32);
+      for (uint32_t column = first; opaque && column < last; ++column) {
+        if (opaque(column, row)) bits |= 1u << (column % 32);
+      }
+      bitmap.Column(word)[local_row] |= bits;
     }
     bitmap.Touch(begin / 32, (end + 31) / 32, local_row, local_row + 1);
   }

@@ -23,10 +23,12 @@ HWY_INLINE VI ColumnsIn(VF y, VF x_low, VF y_low, VF slope, VI last) {
   return hn::Min(hn::Max(column, hn::Zero(I())), last);
 }
 
-HWY_INLINE Projected Gathered(const VertexArrays& vertices, const uint32_t* index,
+// Lanes past the first `valid` take vertex 0: whatever lies past a list's end is no vertex.
+HWY_INLINE Projected Gathered(const VertexArrays& vertices, const uint32_t* index, size_t valid,
                               const TexelProjection& projection) {
   const F f;
-  const VI i = hn::LoadU(I(), reinterpret_cast<const int32_t*>(index));
+  const VI i = hn::IfThenElseZero(hn::FirstN(I(), valid),
+                                  hn::LoadU(I(), reinterpret_cast<const int32_t*>(index)));
   return Project(hn::GatherIndex(f, vertices.x, i), hn::GatherIndex(f, vertices.y, i),
                  hn::GatherIndex(f, vertices.z, i), projection);
 }
@@ -37,8 +39,8 @@ HWY_INLINE uint32_t SelectEdges(const VertexArrays& vertices, const EdgeList& ed
                                 const TexelWindow& window, EdgeBatch& batch) {
   const F f;
   const I i;
-  Corners low = Gathered(vertices, edges.from + e, projection).texel;
-  Corners high = Gathered(vertices, edges.to + e, projection).texel;
+  Corners low = Gathered(vertices, edges.from + e, edges.count - e, projection).texel;
+  Corners high = Gathered(vertices, edges.to + e, edges.count - e, projection).texel;
   const auto runs_down = hn::Gt(low.y, high.y);
   const Corners from = low;
   low = {hn::IfThenElse(runs_down, high.x, from.x), hn::IfThenElse(runs_down, high.y, from.y)};

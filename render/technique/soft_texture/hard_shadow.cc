@@ -1,14 +1,15 @@
 #include "render/technique/soft_texture/hard_shadow.h"
 
 #include <cmath>
+#include <numeric>
 
 #include "render/technique/soft_texture/careful_triangle.h"
 
 namespace penumbra {
 namespace {
 
-// Groups of fewer triangles cost less to draw than to test against the box.
-constexpr uint32_t kTrianglesWorthCulling = 48;
+// Fewer edges are looked at for each sample before the memory for the narrower choice is there.
+constexpr size_t kEdgesWorthNarrowing = 2048;
 
 TexelProjection ScaleToTexels(const ReceiverTransform& map, const ReceiverPatch& receiver) {
   TexelProjection projection{};
@@ -25,65 +26,85 @@ DVec3 CornerOf(const Aabb& box, int corner) {
           (corner & 4) ? box.max.z : box.min.z};
 }
 
-// Whether all corners of the group's box lie beyond one side of the pyramid, or beyond the light.
-// Each test is linear in (x, y, w), so what holds for the corners holds for the box.
-bool MissesPyramid(const OccluderGroup& group, const ReceiverTransform& map) {
-  bool beyond[5] = {true, true, true, true, true};
-  for (int corner = 0; corner < 8; ++corner) {
-    const DVec3 p = map.FromOffset(CornerOf(group.bounds, corner));
-    beyond[0] &= p.x < 0;
-    beyond[1] &= p.x > p.z;
-    beyond[2] &= p.y < 0;
-    beyond[3] &= p.y > p.z;
-    beyond[4] &= p.z < 0;
-  }
-  return beyond[0] || beyond[1] || beyond[2] || beyond[3] || beyond[4];
-}
-
 DVec3 VertexOffset(const OccluderSet& occluders, uint32_t vertex) {
   return DVec3(occluders.x[vertex], occluders.y[vertex], occluders.z[vertex]);
 }
 
 }  // namespace
 
-void HardShadow::Draw(const OccluderSet& occluders, const SeenOutlines& seen,
+void HardShadow::NarrowTo(std::span<const LightSample> samples, const OccluderSet& occluders,
+                          std::span<const SeenOutline> seen) {
+  narrowed_.clear();
+  narrowed_.resize(seen.size());
+  for (size_t o = 0; o < seen.size() && samples.size() > 1; ++o) {
+    if (seen[o].edges().shared_edge_count() < kEdgesWorthNarrowing) continue;
+    narrowed_[o] = seen[o].edges().SeenFrom(BallAround(samples, *occluders.outlined[o]));
+  }
+}
+
+void HardShadow::Draw(const OccluderSet& occluders, std::span<const SeenOutline> seen,
                       const LightSample& sample, const ReceiverTransform& map,
                       const TexelWindow& window, ShadowBitmap& bitmap) {
-  projection_ = ScaleToTexels(map, receiver_);
-  const double near_height = (1.0 - kNearLightW) * std::abs(map.sample_height());
-  size_t run_begin = 0;
-  const auto end_run = [&](size_t end) {
-    if (end > run_begin) DrawRun(occluders, run_begin, end, false, map, window, bitmap);
-    run_begin = end + 1;
-  };
-  for (size_t g = 0; g < occluders.groups.size(); ++g) {
-    const OccluderGroup& group = occluders.groups[g];
-    const bool near_light = group.max_height > near_height;
-    if (group.triangle_count >= kTrianglesWorthCulling && MissesPyramid(group, map)) {
-      end_run(g);
-    } else if (group.masked) {
-      end_run(g);
-      for (uint32_t t = 0; t < group.triangle_count; ++t) {
-        DrawCarefully(occluders, group.first_triangle + t, group.masked.get(), map, window, bitmap);
-      }
-    } else if (near_light) {
-      end_run(g);
-      DrawRun(occluders, g, g + 1, true, map, window, bitmap);
-    } else if (group.outline && IsInGuardBand(group, map, window)) {
-      end_run(g);
-      FlagOutline(occluders, group, seen[g] ? *seen[g] : *group.outline->edges, sample, window);
+  const View view{.sample = sample,
+                  .map = map,
+                  .window = window,
+                  .projection = ScaleToTexels(map, receiver_),
+                  .sides = UnitBoxSides(map, window, receiver_.height),
+                  .near_height = (1.0 - kNearLightW) * std::abs(map.sample_height()),
+                  .bitmap = bitmap};
+  DrawPieces(occluders, view);
+  for (size_t o = 0; o < occluders.outlined.size(); ++o) {
+    const OutlinedOccluder& occluder = *occluders.outlined[o];
+    if (rules_.cull && MissesUnitBox(occluder.bounds(), view.sides)) continue;
+    if (occluder.max_height() > view.near_height || !IsInGuardBand(occluder.bounds(), view)) {
+      DrawPieces(occluder.FaceByFace(), view);
+    } else {
+      const bool is_narrowed = o < narrowed_.size() && narrowed_[o];
+      DrawOutlined(occluder, seen[o], is_narrowed ? *narrowed_[o] : seen[o].edges(), view);
     }
   }
-  end_run(occluders.groups.size());
   if (flags_) FillFromFlags(window, *flags_, bitmap);
 }
 
-bool HardShadow::IsInGuardBand(const OccluderGroup& group, const ReceiverTransform& map,
-                               const TexelWindow& window) const {
+void HardShadow::DrawPieces(const OccluderSet& occluders, const View& view) {
+  if (rules_.cull) {
+    occluders.bounds.Select(view.sides, visible_);
+  } else {
+    visible_.resize(occluders.pieces.size());
+    std::iota(visible_.begin(), visible_.end(), 0u);
+  }
+  size_t begin = 0, end = 0;  // of the run so far
+  bool near_light = false;
+  const auto end_run = [&] {
+    if (end > begin) DrawRun(occluders, begin, end, near_light, view);
+    begin = end;
+  };
+  for (const uint32_t p : visible_) {
+    const OccluderPiece& piece = occluders.pieces[p];
+    const OccluderGroup& group = occluders.groups[piece.group];
+    if (group.masked) {
+      for (uint32_t t = 0; t < piece.triangle_count; ++t) {
+        DrawCarefully(occluders, piece.first_triangle + t, group.masked.get(), view);
+      }
+      continue;
+    }
+    const bool is_near = group.max_height > view.near_height;
+    if (p != end || is_near != near_light) {
+      end_run();
+      begin = p;
+      near_light = is_near;
+    }
+    end = p + 1;
+  }
+  end_run();
+}
+
+bool HardShadow::IsInGuardBand(const Aabb& box, const View& view) const {
   // As the kernels have it, less what rounding may make of a corner.
   const double guard = kGuardBand - 1;
+  const TexelWindow& window = view.window;
   for (int corner = 0; corner < 8; ++corner) {
-    const DVec3 p = map.FromOffset(CornerOf(group.bounds, corner));
+    const DVec3 p = view.map.FromOffset(CornerOf(box, corner));
     const double column = receiver_.width * p.x, row = receiver_.height * p.y;
     if (!(p.z >= kNearLightW && column >= -guard * p.z && column <= (window.width + guard) * p.z &&
           row >= (window.row_begin - guard) * p.z && row <= (window.row_end + guard) * p.z)) {
@@ -98,28 +119,24 @@ EdgeFlags& HardShadow::FlagsFor(const TexelWindow& window) {
   return *flags_;
 }
 
-void HardShadow::FlagOutline(const OccluderSet& occluders, const OccluderGroup& group,
-                             const SilhouetteEdges& edges, const LightSample& sample,
-                             const TexelWindow& window) {
-  const Outline& outline = *group.outline;
+void HardShadow::DrawOutlined(const OutlinedOccluder& occluder, const SeenOutline& seen,
+                              const SilhouetteEdges& edges, const View& view) {
   outline_.Clear();
-  const DVec4 seen_from(DVec3(sample.point), sample.at_infinity ? 0.0 : 1.0);
-  edges.Find(outline.mesh_from_world * seen_from, outline_);
-  const uint32_t first = group.first_vertex;
-  FlagEdges({&occluders.x[first], &occluders.y[first], &occluders.z[first]},
+  edges.Find(occluder.InMesh(view.sample), outline_);
+  FlagEdges({seen.x.data(), seen.y.data(), seen.z.data()},
             {outline_.from.data(), outline_.to.data(), outline_.weight.data(), outline_.count},
-            outline.sign, projection_, window, FlagsFor(window));
+            occluder.sign(), view.projection, view.window, FlagsFor(view.window));
 }
 
 void HardShadow::DrawRun(const OccluderSet& occluders, size_t begin, size_t end, bool near_light,
-                         const ReceiverTransform& map, const TexelWindow& window,
-                         ShadowBitmap& bitmap) {
-  const OccluderGroup& first = occluders.groups[begin];
-  const OccluderGroup& last = occluders.groups[end - 1];
+                         const View& view) {
+  const OccluderPiece& first = occluders.pieces[begin];
+  const OccluderPiece& last = occluders.pieces[end - 1];
   const uint32_t vertex_count = last.first_vertex + last.vertex_count - first.first_vertex;
   projected_.Reserve(vertex_count);
   ProjectVertices(occluders.x.data() + first.first_vertex, occluders.y.data() + first.first_vertex,
-                  occluders.z.data() + first.first_vertex, vertex_count, projection_, projected_);
+                  occluders.z.data() + first.first_vertex, vertex_count, view.projection,
+                  projected_);
   const uint32_t t = first.first_triangle;
   const TriangleList triangles{occluders.corner0.data() + t,
                                occluders.corner1.data() + t,
@@ -128,28 +145,25 @@ void HardShadow::DrawRun(const OccluderSet& occluders, size_t begin, size_t end,
                                last.first_triangle + last.triangle_count - t,
                                first.first_vertex};
   deferred_.clear();
-  if (method_ == VisibilityMethod::kEdgeFlag) {
-    FlagTriangles(projected_, triangles, window, near_light, FlagsFor(window), deferred_);
+  if (rules_.method == VisibilityMethod::kEdgeFlag) {
+    FlagTriangles(projected_, triangles, view.window, near_light, FlagsFor(view.window), deferred_);
   } else {
-    DrawTriangles(projected_, triangles, window, near_light, bitmap, deferred_);
+    DrawTriangles(projected_, triangles, view.window, near_light, view.bitmap, deferred_);
   }
-  for (const uint32_t triangle : deferred_) {
-    DrawCarefully(occluders, t + triangle, nullptr, map, window, bitmap);
-  }
+  for (const uint32_t triangle : deferred_) DrawCarefully(occluders, t + triangle, nullptr, view);
 }
 
 void HardShadow::DrawCarefully(const OccluderSet& occluders, uint32_t triangle,
-                               const Instance* masked, const ReceiverTransform& map,
-                               const TexelWindow& window, ShadowBitmap& bitmap) const {
+                               const Instance* masked, const View& view) const {
   const uint32_t corners[3] = {occluders.corner0[triangle], occluders.corner1[triangle],
                                occluders.corner2[triangle]};
   HomogeneousTriangle homogeneous;
   for (int k = 0; k < 3; ++k) {
-    homogeneous[k] = map.FromOffset(VertexOffset(occluders, corners[k]));
+    homogeneous[k] = view.map.FromOffset(VertexOffset(occluders, corners[k]));
   }
   const ClippedPolygon polygon = ClipToTexture(homogeneous, receiver_.width, receiver_.height);
   if (!masked) {
-    FillPolygon(polygon, window, nullptr, bitmap);
+    FillPolygon(polygon, view.window, nullptr, view.bitmap);
     return;
   }
   const UvAcrossTriangle uv(
@@ -158,7 +172,7 @@ void HardShadow::DrawCarefully(const OccluderSet& occluders, uint32_t triangle,
   const auto opaque = [&](uint32_t column, uint32_t row) {
     return masked->alpha_mask->At(uv.At(column, row)) >= masked->alpha_cutoff;
   };
-  FillPolygon(polygon, window, opaque, bitmap);
+  FillPolygon(polygon, view.window, opaque, view.bitmap);
 }
 
 }  // namespace penumbra

@@ -5,72 +5,49 @@
 #include <limits>
 #include <utility>
 
-#include "render/math/parallel_for.h"
-#include "render/technique/soft_texture/coverage_kernel.h"
+#include "render/technique/soft_texture/outline_cost.h"
 
 namespace penumbra {
 namespace {
 
 struct Corner {
-  Vec3 offset;    // from the receiver's origin
-  double height;  // over its plane
+  PlacedVertex at;
   Vec2 uv;
 };
 
-// A mesh keeps 100 bytes a triangle to find its outline with, and takes a microsecond a triangle to
-// find them; nobody can stop that, and no budget counts it.
-constexpr size_t kMostTrianglesForAnOutline = 1u << 20;
+// The sign of the projected area of faces towards the light, where the others need not be drawn.
+float FacingOf(const Instance& instance, int side) {
+  if (instance.alpha_mask || instance.mesh->closure() == MeshClosure::kOpen) return 0;
+  const Affine& m = instance.world_from_mesh;
+  const double det = glm::dot(DVec3(m[0]), glm::cross(DVec3(m[1]), DVec3(m[2])));
+  if (det == 0) return 0;
+  return static_cast<float>(side * (det > 0 ? 1 : -1));
+}
 
 // Appends one instance after another to a set.
 class SetBuilder {
  public:
-  SetBuilder(const Parallelogram& patch, int side, double surface_offset,
-             const OutlineRule& outlines)
-      : origin_(patch.origin),
-        up_(glm::normalize(glm::cross(DVec3(patch.edge_u), DVec3(patch.edge_v))) *
-            static_cast<double>(side)),
-        side_(side),
-        surface_offset_(surface_offset),
-        outlines_(outlines) {}
+  explicit SetBuilder(const OccluderFrame& frame) : frame_(frame) {}
 
-  void Add(const std::shared_ptr<const Instance>& instance) {
+  void AddOutlined(std::unique_ptr<const OutlinedOccluder> occluder) {
+    set_.outlined.push_back(std::move(occluder));
+  }
+
+  void AddFaces(const std::shared_ptr<const Instance>& instance) {
     const Mesh& mesh = *instance->mesh;
-    const bool masked = instance->alpha_mask != nullptr;
-    if (masked && !keep_uv_) {
-      keep_uv_ = true;
-      set_.uv.resize(set_.x.size());
-    }
-    corners_.clear();
-    corners_.reserve(mesh.vertex_count());
-    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-    for (size_t v = 0; v < mesh.vertex_count(); ++v) {
-      const Vec3 world = TransformPoint(instance->world_from_mesh, mesh.positions()[v]);
-      const DVec3 offset = DVec3(world) - origin_;
-      const double height = glm::dot(up_, offset);
-      corners_.push_back({Vec3(offset), height, masked ? mesh.uvs()[v] : Vec2(0.0f)});
-      lowest = std::min(lowest, height);
-      highest = std::max(highest, height);
-    }
-    if (!(highest > surface_offset_)) return;
-
-    group_ = {.first_vertex = static_cast<uint32_t>(set_.x.size()),
-              .first_triangle = static_cast<uint32_t>(set_.corner0.size()),
-              .bounds = {},
-              .max_height = static_cast<float>(highest),
-              .masked = masked ? instance : nullptr};
-    const bool cut = !(lowest > surface_offset_);
-    const float facing = Facing(*instance, cut);
-    // Of many vertices most belong to no triangle; one by one only those that do are copied.
-    const bool has_loose_vertices = mesh.vertex_count() > mesh.indices().size();
-    if (cut || has_loose_vertices) {
-      AddCutTriangles(mesh.indices(), facing);
+    BeginGroup(*instance);
+    if (mesh.triangle_count() <= kClusterTriangles) {
+      for (uint32_t v = 0; v < mesh.vertex_count(); ++v) PlaceCorner(*instance, v);
+      if (!(highest_ > frame_.surface_offset)) return;
+      AddPiece(0, mesh.indices());
     } else {
-      AddWholeTriangles(mesh.indices(), facing);
-      group_.outline = OutlineOf(*instance);
+      PlaceClusters(*instance);
+      if (!(highest_ > frame_.surface_offset)) return;
+      AddClusters(mesh.triangle_clusters());
     }
-    group_.vertex_count = static_cast<uint32_t>(set_.x.size()) - group_.first_vertex;
-    group_.triangle_count = static_cast<uint32_t>(set_.corner0.size()) - group_.first_triangle;
-    if (group_.triangle_count > 0) set_.groups.push_back(group_);
+    if (set_.pieces.size() == pieces_before_) return;
+    set_.groups.push_back({.max_height = static_cast<float>(highest_),
+                           .masked = instance->alpha_mask ? instance : nullptr});
   }
 
   OccluderSet Take() {
@@ -80,147 +57,224 @@ class SetBuilder {
     for (auto* corners : {&set_.corner0, &set_.corner1, &set_.corner2}) {
       corners->resize(corners->size() + kMaxLanes);
     }
+    set_.bounds = BoxLevels(bounds_);
     return std::move(set_);
   }
 
  private:
-  std::optional<Outline> OutlineOf(const Instance& instance) const {
-    const size_t triangles = instance.mesh->triangle_count();
-    if (instance.alpha_mask || triangles < outlines_.min_triangles) return {};
-    if (triangles > kMostTrianglesForAnOutline) return {};
-    DMat4 world_from_mesh(1.0);
-    for (int column = 0; column < 4; ++column) {
-      world_from_mesh[column] = DVec4(DVec3(instance.world_from_mesh[column]), column == 3);
+  void BeginGroup(const Instance& instance) {
+    masked_ = instance.alpha_mask != nullptr;
+    if (masked_ && !keep_uv_) {
+      keep_uv_ = true;
+      set_.uv.resize(set_.x.size());
     }
-    const DMat4 mesh_from_world = glm::inverse(world_from_mesh);
-    const double det = glm::determinant(world_from_mesh);
-    for (int column = 0; column < 4; ++column) {
-      // Flat, or so nearly that its inverse says nothing.
-      if (!(glm::length(mesh_from_world[column]) < 1e12)) return {};
-    }
-    return Outline{.mesh = instance.mesh,
-                   .edges = &instance.mesh->silhouette_edges(),
-                   .mesh_from_world = mesh_from_world,
-                   .sign = (det > 0) == (side_ > 0) ? -1 : 1};
+    corners_.clear();
+    seen_.clear();
+    lowest_ = std::numeric_limits<double>::infinity();
+    highest_ = -lowest_;
+    pieces_before_ = set_.pieces.size();
+    whole_facing_ = FacingOf(instance, frame_.side);
   }
 
-  float Facing(const Instance& instance, bool cut) const {
-    if (instance.alpha_mask || cut || instance.mesh->closure() == MeshClosure::kOpen) return 0;
-    const Affine& m = instance.world_from_mesh;
-    const double det = glm::dot(DVec3(m[0]), glm::cross(DVec3(m[1]), DVec3(m[2])));
-    if (det == 0) return 0;
-    return static_cast<float>(side_ * (det > 0 ? 1 : -1));
+  void PlaceCorner(const Instance& instance, uint32_t vertex) {
+    const Mesh& mesh = *instance.mesh;
+    const PlacedVertex at = frame_.Place(instance.world_from_mesh, mesh.positions()[vertex]);
+    corners_.push_back({at, masked_ ? mesh.uvs()[vertex] : Vec2(0.0f)});
+    lowest_ = std::min(lowest_, at.height);
+    highest_ = std::max(highest_, at.height);
+  }
+
+  // The corners of all clusters in the region, cluster by cluster.
+  void PlaceClusters(const Instance& instance) {
+    const TriangleClusters& clusters = instance.mesh->triangle_clusters();
+    const auto take = [&](uint32_t c) {
+      seen_.push_back(c);
+      for (uint32_t v = clusters.first_vertex[c]; v < clusters.first_vertex[c + 1]; ++v) {
+        PlaceCorner(instance, clusters.vertices[v]);
+      }
+    };
+    if (!frame_.region) {
+      for (uint32_t c = 0; c < clusters.size(); ++c) take(c);
+      return;
+    }
+    const ShadowRegion region =
+        frame_.region->InMesh(instance.world_from_mesh, instance.mesh->bounds());
+    clusters.tree.Visit([&](const Aabb& box) { return region.MayMeetByFaces(box); }, take);
+  }
+
+  void AddClusters(const TriangleClusters& clusters) {
+    size_t first_corner = 0;
+    for (const uint32_t c : seen_) {
+      indices_.clear();
+      for (uint32_t t = clusters.first_triangle[c]; t < clusters.first_triangle[c + 1]; ++t) {
+        for (int k = 0; k < 3; ++k) indices_.push_back(clusters.corners[size_t{3} * t + k]);
+      }
+      AddPiece(first_corner, indices_);
+      first_corner += clusters.first_vertex[c + 1] - clusters.first_vertex[c];
+    }
+  }
+
+  // Triangles between corners_, numbered from `first_corner`. Where the plane cuts anything of the
+  // instance that is drawn, all is drawn whichever way it faces.
+  void AddPiece(size_t first_corner, std::span<const uint32_t> indices) {
+    piece_ = {.first_vertex = static_cast<uint32_t>(set_.x.size()),
+              .first_triangle = static_cast<uint32_t>(set_.corner0.size()),
+              .vertex_count = 0,
+              .triangle_count = 0,
+              .group = static_cast<uint32_t>(set_.groups.size())};
+    box_ = {};
+    const bool cut = !(lowest_ > frame_.surface_offset);
+    facing_ = cut ? 0 : whole_facing_;
+    // Of many vertices most belong to no triangle; one by one only those that do are copied.
+    const bool has_loose_vertices = seen_.empty() && corners_.size() > indices.size();
+    const Corner* const corners = corners_.data() + first_corner;
+    if (cut || has_loose_vertices) {
+      AddCutTriangles(corners, indices);
+    } else {
+      AddWholeTriangles(corners, indices);
+    }
+    piece_.vertex_count = static_cast<uint32_t>(set_.x.size()) - piece_.first_vertex;
+    piece_.triangle_count = static_cast<uint32_t>(set_.corner0.size()) - piece_.first_triangle;
+    if (piece_.triangle_count == 0) return;
+    set_.pieces.push_back(piece_);
+    bounds_.push_back(box_);
   }
 
   uint32_t AddVertex(const Corner& corner) {
-    set_.x.push_back(corner.offset.x);
-    set_.y.push_back(corner.offset.y);
-    set_.z.push_back(corner.offset.z);
+    set_.x.push_back(corner.at.offset.x);
+    set_.y.push_back(corner.at.offset.y);
+    set_.z.push_back(corner.at.offset.z);
     if (keep_uv_) set_.uv.push_back(corner.uv);
-    group_.bounds.Add(corner.offset);
+    box_.Add(corner.at.offset);
     return static_cast<uint32_t>(set_.x.size() - 1);
   }
 
-  void AddTriangle(uint32_t a, uint32_t b, uint32_t c, float facing) {
+  void AddTriangle(uint32_t a, uint32_t b, uint32_t c) {
     set_.corner0.push_back(a);
     set_.corner1.push_back(b);
     set_.corner2.push_back(c);
-    set_.facing.push_back(facing);
+    set_.facing.push_back(facing_);
   }
 
-  void AddWholeTriangles(std::span<const uint32_t> indices, float facing) {
-    for (const Corner& corner : corners_) AddVertex(corner);
-    const uint32_t first = group_.first_vertex;
+  void AddWholeTriangles(const Corner* corners, std::span<const uint32_t> indices) {
+    uint32_t count = 0;
+    for (const uint32_t i : indices) count = std::max(count, i + 1);
+    for (uint32_t c = 0; c < count; ++c) AddVertex(corners[c]);
+    const uint32_t first = piece_.first_vertex;
     for (size_t t = 0; t < indices.size(); t += 3) {
-      AddTriangle(first + indices[t], first + indices[t + 1], first + indices[t + 2], facing);
+      AddTriangle(first + indices[t], first + indices[t + 1], first + indices[t + 2]);
     }
   }
 
   // Where an edge crosses the plane. Always from the upper corner, so that both triangles of an
   // edge get the same point.
   Corner Crossing(const Corner& a, const Corner& b) const {
-    const Corner& high = a.height > b.height ? a : b;
-    const Corner& low = a.height > b.height ? b : a;
-    const double t = (high.height - surface_offset_) / (high.height - low.height);
-    return {Vec3(DVec3(high.offset) + t * (DVec3(low.offset) - DVec3(high.offset))),
-            surface_offset_, high.uv + static_cast<float>(t) * (low.uv - high.uv)};
+    const Corner& high = a.at.height > b.at.height ? a : b;
+    const Corner& low = a.at.height > b.at.height ? b : a;
+    const double t = (high.at.height - frame_.surface_offset) / (high.at.height - low.at.height);
+    const DVec3 from(high.at.offset), to(low.at.offset);
+    return {{Vec3(from + t * (to - from)), frame_.surface_offset},
+            high.uv + static_cast<float>(t) * (low.uv - high.uv)};
   }
 
-  void AddCutTriangles(std::span<const uint32_t> indices, float facing) {
+  void AddCutTriangles(const Corner* corners, std::span<const uint32_t> indices) {
     for (size_t t = 0; t < indices.size(); t += 3) {
       std::array<uint32_t, 4> polygon{};
       size_t size = 0;
       for (int k = 0; k < 3; ++k) {
-        const Corner& from = corners_[indices[t + k]];
-        const Corner& to = corners_[indices[t + (k + 1) % 3]];
-        const bool from_above = from.height > surface_offset_;
+        const Corner& from = corners[indices[t + k]];
+        const Corner& to = corners[indices[t + (k + 1) % 3]];
+        const bool from_above = from.at.height > frame_.surface_offset;
         if (from_above) polygon[size++] = AddVertex(from);
-        if (from_above != (to.height > surface_offset_)) {
+        if (from_above != (to.at.height > frame_.surface_offset)) {
           polygon[size++] = AddVertex(Crossing(from, to));
         }
       }
-      for (size_t k = 2; k < size; ++k) {
-        AddTriangle(polygon[0], polygon[k - 1], polygon[k], facing);
-      }
+      for (size_t k = 2; k < size; ++k) AddTriangle(polygon[0], polygon[k - 1], polygon[k]);
     }
   }
 
-  DVec3 origin_, up_;
-  int side_;
-  double surface_offset_;
-  OutlineRule outlines_;
+  const OccluderFrame& frame_;
   bool keep_uv_ = false;
+  // The instance that is being added.
+  bool masked_ = false;
+  float whole_facing_ = 0, facing_ = 0;
+  double lowest_ = 0, highest_ = 0;
+  size_t pieces_before_ = 0;
   std::vector<Corner> corners_;
-  OccluderGroup group_;
+  std::vector<uint32_t> seen_, indices_;  // clusters, and corners of one's triangles
+  OccluderPiece piece_{};
+  Aabb box_;
+  std::vector<Aabb> bounds_;  // of the pieces
   OccluderSet set_;
 };
 
-// Fewer edges are looked at for every sample sooner than once for all.
-constexpr size_t kEdgesWorthSelecting = 1024;
+}  // namespace
 
-// A ball around the samples as the mesh sees them.
-ViewBall BallAround(std::span<const LightSample> samples, const DMat4& mesh_from_world) {
-  const auto in_mesh = [&](const LightSample& sample) {
-    return mesh_from_world * DVec4(DVec3(sample.point), sample.at_infinity ? 0.0 : 1.0);
+namespace {
+
+using Caster = std::shared_ptr<const Instance>;
+
+// Calls `visit` with every instance that casts and may matter.
+template <typename Visit>
+void ForEachCaster(const Scene& scene, const OccluderFrame& frame, const CasterChoice& choice,
+                   const Visit& visit) {
+  const auto visit_caster = [&](const Caster& instance) {
+    if (instance && instance->casts && instance->mesh->triangle_count() > 0) visit(instance);
   };
-  ViewBall ball;
-  for (const LightSample& sample : samples) ball.center += in_mesh(sample);
-  ball.center /= static_cast<double>(samples.size());
-  for (const LightSample& sample : samples) {
-    ball.radius = std::max(ball.radius, glm::length(DVec3(in_mesh(sample) - ball.center)));
+  if (choice.ids && !choice.all_but_ids) {
+    for (const std::string& id : *choice.ids) visit_caster(scene.FindInstance(id));
+  } else if (!frame.region) {
+    for (const auto& [id, instance] : scene.instances()) {
+      if (choice.Has(id)) visit_caster(instance);
+    }
+  } else {
+    scene.casters().Visit([&](const Aabb& box) { return frame.region->MayMeetByFaces(box); },
+                          [&](const Caster& instance) {
+                            if (choice.Has(instance->id)) visit_caster(instance);
+                          });
   }
-  return ball;
 }
 
 }  // namespace
 
-SeenOutlines OutlinesSeenFrom(const OccluderSet& occluders, std::span<const LightSample> samples,
-                              tbb::task_arena& arena) {
-  SeenOutlines seen(occluders.groups.size());
-  std::vector<size_t> worth;
-  for (size_t g = 0; g < seen.size() && samples.size() > 1; ++g) {
-    const std::optional<Outline>& outline = occluders.groups[g].outline;
-    if (outline && outline->edges->shared_edge_count() >= kEdgesWorthSelecting) worth.push_back(g);
-  }
-  if (worth.empty()) return seen;
-  RunIn(arena, [&] {
-    ParallelFor(worth.size(), [&](size_t i) {
-      const Outline& outline = *occluders.groups[worth[i]].outline;
-      seen[worth[i]] = std::make_unique<const SilhouetteEdges>(
-          outline.edges->SeenFrom(BallAround(samples, outline.mesh_from_world)));
-    });
+OccluderSet PrepareOccluders(const Scene& scene, const OccluderFrame& frame,
+                             const TextureView& texture, OutlineRule outlines,
+                             const CasterChoice& choice, const std::stop_token& stop) {
+  SetBuilder builder(frame);
+  std::vector<std::unique_ptr<const OutlinedOccluder>> candidates;
+  ShadowRectangle rectangle(texture);
+  double saving = 0;
+  ForEachCaster(scene, frame, choice, [&](const Caster& instance) {
+    if (stop.stop_requested()) return;
+    // Of so few faces none could be saved.
+    const bool is_small =
+        OutlineSavingNs({.faces_in_region = instance->mesh->triangle_count()}) < 0;
+    const bool is_tried = outlines == OutlineRule::kWherePossible ||
+                          (outlines == OutlineRule::kWhereCheaper && !is_small);
+    auto outlined = is_tried ? OutlinedOccluder::Create(instance, frame) : nullptr;
+    const bool is_cheaper = outlined && outlines == OutlineRule::kWhereCheaper;
+    const double saved = is_cheaper ? OutlineSavingNs(WorkOf(*outlined)) : 0;
+    if (!outlined || saved < 0) return builder.AddFaces(instance);
+    saving += saved;
+    rectangle.Add(outlined->bounds());
+    candidates.push_back(std::move(outlined));
   });
-  return seen;
+  const bool pays = outlines != OutlineRule::kWhereCheaper || saving > FillNs(rectangle.Texels());
+  for (auto& candidate : candidates) {
+    if (pays) {
+      builder.AddOutlined(std::move(candidate));
+    } else {
+      builder.AddFaces(candidate->shared_instance());
+    }
+  }
+  return builder.Take();
 }
 
-OccluderSet PrepareOccluders(const Scene& scene, const Parallelogram& patch, int side,
-                             double surface_offset, const OutlineRule& outlines,
-                             const CasterFilter& casters, const std::stop_token& stop) {
-  SetBuilder builder(patch, side, surface_offset, outlines);
-  for (const auto& [id, instance] : scene.instances()) {
-    if (stop.stop_requested()) break;
-    if (instance->casts && (!casters || casters(id))) builder.Add(instance);
-  }
+OccluderSet PrepareOccluder(const std::shared_ptr<const Instance>& instance,
+                            const OccluderFrame& frame) {
+  SetBuilder builder(frame);
+  builder.AddFaces(instance);
   return builder.Take();
 }
 

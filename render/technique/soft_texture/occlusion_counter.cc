@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "render/math/box_tree.h"
 #include "render/math/parallel_for.h"
 #include "render/technique/soft_texture/bit_counters.h"
 #include "render/technique/soft_texture/hard_shadow.h"
@@ -17,20 +18,21 @@ namespace {
 // A band's bitmap should stay in a core's second-level cache together with its counters.
 constexpr uint32_t kBandWords = 1u << 13;
 
-// Fewer triangles are filled faster than their outline is found.
-constexpr uint32_t kTrianglesWorthAnOutline = 256;
+// Samples for which the edges of outlines are narrowed down together: with twice as many there are
+// more edges to look at for each, with half as many the choice is made more often.
+constexpr size_t kNeighbours = 8;
 
 OutlineRule RuleFor(VisibilityMethod method) {
-  if (method == VisibilityMethod::kSilhouette) return {.min_triangles = 0};
-  if (method == VisibilityMethod::kAuto) return {.min_triangles = kTrianglesWorthAnOutline};
-  return {};
+  if (method == VisibilityMethod::kSilhouette) return OutlineRule::kWherePossible;
+  if (method == VisibilityMethod::kAuto) return OutlineRule::kWhereCheaper;
+  return OutlineRule::kNever;
 }
 
 // One thread's share: a bitmap for the sample at hand, and the counters of all its samples.
 struct Worker {
-  Worker(const ReceiverPatch& receiver, VisibilityMethod method, uint32_t rows,
+  Worker(const ReceiverPatch& receiver, const ShadowRules& rules, uint32_t rows,
          uint32_t plane_count)
-      : shadow(receiver, method), bitmap(receiver.width, rows), planes(plane_count) {
+      : shadow(receiver, rules), bitmap(receiver.width, rows), planes(plane_count) {
     for (auto& plane : planes) plane.resize(bitmap.words.size());
   }
 
@@ -75,21 +77,27 @@ void AddCounts(std::span<const std::unique_ptr<Worker>> workers, const TexelWind
 
 }  // namespace
 
-OcclusionCounter::OcclusionCounter(const Scene& scene, const ReceiverPatch& receiver,
-                                   double surface_offset, VisibilityMethod method,
-                                   CasterFilter casters)
+OcclusionCounter::OcclusionCounter(const Scene& scene, const AreaLight& light,
+                                   const ReceiverPatch& receiver, double surface_offset,
+                                   const ShadowRules& rules, CasterChoice casters)
     : scene_(scene),
       receiver_(receiver),
       surface_offset_(surface_offset),
-      method_(method),
-      casters_(std::move(casters)),
-      counts_(size_t{receiver.width} * receiver.height, uint16_t{0}) {}
+      rules_(rules),
+      casters_(casters),
+      counts_(size_t{receiver.width} * receiver.height, uint16_t{0}) {
+  if (rules.cull) region_.emplace(light, receiver.patch);
+}
 
-const OccluderSet& OcclusionCounter::OccludersOn(int side, const std::stop_token& stop) {
+const OccluderSet& OcclusionCounter::OccludersOn(int side, const ReceiverTransform& map,
+                                                 const std::stop_token& stop) {
   auto& set = occluders_[side > 0 ? 0 : 1];
   if (!set) {
-    set = std::make_unique<OccluderSet>(PrepareOccluders(
-        scene_, receiver_.patch, side, surface_offset_, RuleFor(method_), casters_, stop));
+    OccluderFrame frame(receiver_.patch, side, surface_offset_);
+    if (region_) frame.region = &*region_;
+    set = std::make_unique<OccluderSet>(PrepareOccluders(scene_, frame,
+                                                         {map, receiver_.width, receiver_.height},
+                                                         RuleFor(rules_.method), casters_, stop));
   }
   return *set;
 }
@@ -102,46 +110,77 @@ std::vector<OcclusionCounter::Job> OcclusionCounter::JobsFor(std::span<const Lig
     const auto map = ReceiverTransform::Create(receiver_.patch, sample, surface_offset_);
     if (!map) continue;
     const bool is_in_front = map->sample_height() > 0;
-    const OccluderSet& occluders = OccludersOn(is_in_front ? 1 : -1, stop);
-    if (!occluders.groups.empty()) {
+    const OccluderSet& occluders = OccludersOn(is_in_front ? 1 : -1, *map, stop);
+    if (!occluders.empty()) {
       jobs.push_back({number, sample, *map, &occluders, is_in_front ? 0 : 1});
     }
   }
   return jobs;
 }
 
-std::array<SeenOutlines, 2> OcclusionCounter::OutlinesFor(const std::vector<Job>& jobs,
-                                                          tbb::task_arena& arena) const {
-  std::array<SeenOutlines, 2> outlines;
+OcclusionCounter::Outlines OcclusionCounter::OutlinesFor(const std::vector<Job>& jobs,
+                                                         tbb::task_arena& arena) const {
+  Outlines outlines;
   for (int side = 0; side < 2; ++side) {
     std::vector<LightSample> samples;
     for (const Job& job : jobs) {
       if (job.side == side) samples.push_back(job.sample);
     }
-    if (!samples.empty()) outlines[side] = OutlinesSeenFrom(*occluders_[side], samples, arena);
+    if (!samples.empty() && !occluders_[side]->outlined.empty()) {
+      outlines[side] = OutlinesSeenFrom(occluders_[side]->outlined, samples, arena);
+    }
   }
   return outlines;
 }
 
-void OcclusionCounter::AddBand(const std::vector<Job>& jobs,
-                               const std::array<SeenOutlines, 2>& outlines,
-                               const TexelWindow& window, int worker_count,
-                               const std::stop_token& stop) {
+std::vector<size_t> OcclusionCounter::GroupNeighbours(std::vector<Job>& jobs, size_t group_size) {
+  std::vector<size_t> begins = {0};
+  std::vector<Job> ordered;
+  ordered.reserve(jobs.size());
+  for (int side = 0; side < 2; ++side) {
+    std::vector<const Job*> of_side;
+    std::vector<Aabb> places;
+    for (const Job& job : jobs) {
+      if (job.side != side) continue;
+      of_side.push_back(&job);
+      places.push_back({job.sample.point, job.sample.point});
+    }
+    BoxTree(places, static_cast<uint32_t>(group_size))
+        .VisitLeaves([&](std::span<const uint32_t> leaf) {
+          for (const uint32_t j : leaf) ordered.push_back(*of_side[j]);
+          begins.push_back(ordered.size());
+        });
+  }
+  jobs = std::move(ordered);
+  return begins;
+}
+
+void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<size_t>& groups,
+                               const Outlines& outlines, const TexelWindow& window,
+                               int worker_count, const std::stop_token& stop) {
   const auto plane_count = static_cast<uint32_t>(std::bit_width(jobs.size()));
   std::vector<std::unique_ptr<Worker>> workers(worker_count);
   std::atomic<size_t> next{0};
+  const auto add_group = [&](Worker& worker, std::span<const Job> group) {
+    std::vector<LightSample> samples;
+    for (const Job& job : group) samples.push_back(job.sample);
+    const std::vector<SeenOutline>& seen = outlines[group.front().side];
+    if (!seen.empty()) worker.shadow.NarrowTo(samples, *group.front().occluders, seen);
+    for (const Job& job : group) {
+      if (stop.stop_requested()) return;
+      worker.shadow.Draw(*job.occluders, seen, job.sample, job.map, window, worker.bitmap);
+      if (stored_in_) stored_in_->Store(job.number, window.row_begin, worker.bitmap);
+      if (beyond_) beyond_->Subtract(job.number, window.row_begin, worker.bitmap);
+      worker.CountBitmap();
+    }
+  };
   ParallelFor(worker_count, [&](int w) {
-    for (size_t j = next++; j < jobs.size() && !stop.stop_requested(); j = next++) {
+    for (size_t g = next++; g + 1 < groups.size() && !stop.stop_requested(); g = next++) {
       if (!workers[w]) {
-        workers[w] = std::make_unique<Worker>(receiver_, method_, window.row_end - window.row_begin,
+        workers[w] = std::make_unique<Worker>(receiver_, rules_, window.row_end - window.row_begin,
                                               plane_count);
       }
-      Worker& worker = *workers[w];
-      worker.shadow.Draw(*jobs[j].occluders, outlines[jobs[j].side], jobs[j].sample, jobs[j].map,
-                         window, worker.bitmap);
-      if (stored_in_) stored_in_->Store(jobs[j].number, window.row_begin, worker.bitmap);
-      if (beyond_) beyond_->Subtract(jobs[j].number, window.row_begin, worker.bitmap);
-      worker.CountBitmap();
+      add_group(*workers[w], std::span(jobs).subspan(groups[g], groups[g + 1] - groups[g]));
     }
   });
   if (stop.stop_requested()) return;
@@ -150,14 +189,18 @@ void OcclusionCounter::AddBand(const std::vector<Job>& jobs,
 
 absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::task_arena& arena,
                                    const std::stop_token& stop) {
-  const std::vector<Job> jobs = JobsFor(samples, stop);
-  const std::array<SeenOutlines, 2> outlines = OutlinesFor(jobs, arena);
+  std::vector<Job> jobs = JobsFor(samples, stop);
+  const Outlines outlines = OutlinesFor(jobs, arena);
   const uint32_t columns = (receiver_.width + 31) / 32;
   const uint32_t band_rows = std::clamp(kBandWords / columns, 1u, receiver_.height);
   const int worker_count = std::min(arena.max_concurrency(), static_cast<int>(jobs.size()));
+  // Every thread should have two groups at least.
+  const size_t group_size =
+      std::clamp<size_t>(jobs.size() / (2 * std::max(worker_count, 1)), 1, kNeighbours);
+  const std::vector<size_t> groups = GroupNeighbours(jobs, group_size);
   for (uint32_t row = 0; row < receiver_.height && !jobs.empty(); row += band_rows) {
     const TexelWindow window{receiver_.width, row, std::min(row + band_rows, receiver_.height)};
-    RunIn(arena, [&] { AddBand(jobs, outlines, window, worker_count, stop); });
+    RunIn(arena, [&] { AddBand(jobs, groups, outlines, window, worker_count, stop); });
     if (stop.stop_requested()) break;
   }
   return stop.stop_requested() ? absl::CancelledError("stop requested") : absl::OkStatus();

@@ -1,6 +1,6 @@
 // Counts, for each texel of a receiver, the light samples that occluders hide from it.
 //
-//   OcclusionCounter counter(scene, receiver, surface_offset);
+//   OcclusionCounter counter(scene, light, receiver, surface_offset, {.method = …});
 //   if (auto status = counter.Add(samples, arena, stop); !status.ok()) return status;
 //   counter.counts()
 #pragma once
@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <utility>
@@ -18,10 +19,10 @@
 #include "render/scene/receiver.h"
 #include "render/scene/scene.h"
 #include "render/technique/soft_texture/coverage_kernel.h"
+#include "render/technique/soft_texture/hard_shadow.h"
 #include "render/technique/soft_texture/kept_shadows.h"
 #include "render/technique/soft_texture/occluder_set.h"
 #include "render/technique/soft_texture/receiver_transform.h"
-#include "render/technique/soft_texture/soft_texture_params.h"
 #include "tbb/task_arena.h"
 
 namespace penumbra {
@@ -31,9 +32,9 @@ class OcclusionCounter {
   // Occluders within `surface_offset` metres of the receiver's plane do not count, nor does a
   // sample that is as near to it: nothing hides it.
   //
-  // `casters`  which instances to draw
-  OcclusionCounter(const Scene& scene, const ReceiverPatch& receiver, double surface_offset,
-                   VisibilityMethod method, CasterFilter casters = {});
+  // All samples that are added are of `light`. Refers to `scene`.
+  OcclusionCounter(const Scene& scene, const AreaLight& light, const ReceiverPatch& receiver,
+                   double surface_offset, const ShadowRules& rules, CasterChoice casters = {});
 
   // From now on each sample's shadow is also put into `shadows`, at the sample's number; the next
   // sample has number `next`.
@@ -69,19 +70,27 @@ class OcclusionCounter {
     int side;  // 0: in front of the receiver, 1: behind it
   };
 
-  const OccluderSet& OccludersOn(int side, const std::stop_token& stop);
+  using Outlines = std::array<std::vector<SeenOutline>, 2>;  // of either side
+
+  // Prepared on first use, for samples of which `map` is one's.
+  const OccluderSet& OccludersOn(int side, const ReceiverTransform& map,
+                                 const std::stop_token& stop);
   std::vector<Job> JobsFor(std::span<const LightSample> samples, const std::stop_token& stop);
-  std::array<SeenOutlines, 2> OutlinesFor(const std::vector<Job>& jobs,
-                                          tbb::task_arena& arena) const;
+  // Puts neighbours on the light one after another, and returns where each group of them begins,
+  // and the end.
+  static std::vector<size_t> GroupNeighbours(std::vector<Job>& jobs, size_t group_size);
+  Outlines OutlinesFor(const std::vector<Job>& jobs, tbb::task_arena& arena) const;
   // Adds all jobs to the counts of the window's rows; leaves them as they are once stopped.
-  void AddBand(const std::vector<Job>& jobs, const std::array<SeenOutlines, 2>& outlines,
-               const TexelWindow& window, int worker_count, const std::stop_token& stop);
+  void AddBand(const std::vector<Job>& jobs, const std::vector<size_t>& groups,
+               const Outlines& outlines, const TexelWindow& window, int worker_count,
+               const std::stop_token& stop);
 
   const Scene& scene_;
   ReceiverPatch receiver_;
   double surface_offset_;
-  VisibilityMethod method_;
-  CasterFilter casters_;
+  ShadowRules rules_;
+  CasterChoice casters_;
+  std::optional<ShadowRegion> region_;  // where culling is wanted
   SampleShadows* stored_in_ = nullptr;
   const SampleShadows* beyond_ = nullptr;
   uint32_t added_ = 0;  // the next sample's number

@@ -88,7 +88,7 @@ class Computation {
         scene_(scene),
         plan_(Plan()),
         samples_(Samples()),
-        moving_(scene, receiver_, surface_offset_, params().method, CastersOf(true)) {
+        moving_(scene, *light_, receiver_, surface_offset_, Rules(), CastersOf(true)) {
     if (plan_.base) {
       plan_.base->samples = samples_;
       moving_.CountBeyond(plan_.base->shadows);
@@ -135,11 +135,10 @@ class Computation {
     if (plan_.base && !plan_.base->samples.empty()) return plan_.base->samples;
     return SampleLight(*light_, params().samples, params().seed, receiver_.patch.At(Vec2(0.5f)));
   }
-  CasterFilter CastersOf(bool moving) const {
+  ShadowRules Rules() const { return {.method = params().method}; }
+  CasterChoice CastersOf(bool moving) const {
     if (!plan_.base) return {};
-    return [&ids = plan_.base->moving, moving](const std::string& id) {
-      return ids.contains(id) == moving;
-    };
+    return {.ids = &plan_.base->moving, .all_but_ids = !moving};
   }
 
   FirstPassPace* Pace() const {
@@ -168,7 +167,7 @@ class Computation {
   absl::Status ExtendBase(uint32_t upto) {
     ShadowBase& base = *plan_.base;
     if (!still_) {
-      still_.emplace(scene_, receiver_, surface_offset_, params().method, CastersOf(false));
+      still_.emplace(scene_, *light_, receiver_, surface_offset_, Rules(), CastersOf(false));
       still_->StoreIn(base.shadows, base.drawn);
     }
     const auto status = still_->Add(std::span(samples_).subspan(base.drawn, upto - base.drawn),

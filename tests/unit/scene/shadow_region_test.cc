@@ -1,4 +1,4 @@
-#include "render/engine/shadow_region.h"
+#include "render/scene/shadow_region.h"
 
 #include <array>
 #include <optional>
@@ -83,7 +83,7 @@ class ShadowRegionTest : public ::testing::TestWithParam<int> {};
 // boxes between the rays tried, and those in the corners of the square around a disc.
 TEST_P(ShadowRegionTest, AgreesWithRays) {
   Dice dice(GetParam() + 1);
-  int met = 0, spared = 0, doubtful = 0;
+  int met = 0, spared = 0, doubtful = 0, spared_by_faces = 0;
   for (int trial = 0; trial < 400; ++trial) {
     const AreaLight light = RandomLight(dice, GetParam());
     const Parallelogram patch{
@@ -94,16 +94,27 @@ TEST_P(ShadowRegionTest, AgreesWithRays) {
     box.Add(center - half);
     box.Add(center + half);
 
-    const bool may_meet = ShadowRegion(light, patch).MayMeet(box);
+    const ShadowRegion region(light, patch);
+    const bool may_meet = region.MayMeet(box);
+    const Vec3 scale = Vec3(0.1f) + glm::abs(dice.Point(3)), place = dice.Point(10);
+    const Affine world_from_mesh(Vec3(scale.x, 0, 0), Vec3(0, scale.y, 0), Vec3(0, 0, scale.z),
+                                 place);
+    const Aabb in_mesh{(box.min - place) / scale, (box.max - place) / scale};
+    const ShadowRegion region_in_mesh = region.InMesh(world_from_mesh, in_mesh);
+    EXPECT_TRUE(region.MayMeetByFaces(box) || !may_meet) << "trial " << trial;
     if (SomeRayMeets(box, light, patch)) {
       ++met;
       ASSERT_TRUE(may_meet) << "trial " << trial;
+      ASSERT_TRUE(region_in_mesh.MayMeet(in_mesh)) << "trial " << trial;
+      ASSERT_TRUE(region_in_mesh.MayMeetByFaces(in_mesh)) << "trial " << trial;
     } else {
       ++(may_meet ? doubtful : spared);
+      spared_by_faces += !region_in_mesh.MayMeetByFaces(in_mesh);
     }
   }
   EXPECT_GT(met, 20);
   EXPECT_GT(spared, 100);
+  EXPECT_GT(spared_by_faces, 0.8 * spared);
   EXPECT_LT(doubtful, 0.15 * (doubtful + spared));
 }
 

@@ -26,19 +26,31 @@ class ShadowRegion {
   ShadowRegion(const AreaLight& light, const Parallelogram& patch);
 
   // False only if `box` does not touch the region; an empty box never does. True is not certain.
-  bool MayMeet(const Aabb& box) const;
+  bool MayMeet(const Aabb& box) const { return MayMeet(box, slabs_.size()); }
+  // The same by the hull's own faces alone: ten times as fast, and true more often.
+  bool MayMeetByFaces(const Aabb& box) const { return MayMeet(box, face_count_); }
+
+  // The region for boxes in the space of a mesh that lie within `mesh_bounds`. It takes in what
+  // rounding does to vertices that are placed in single precision.
+  ShadowRegion InMesh(const Affine& world_from_mesh, const Aabb& mesh_bounds) const;
 
  private:
   struct Slab {
-    DVec3 axis;  // unit length
+    DVec3 axis;  // unit length in world space
     double lo;
     double hi;  // +∞ where a distant light lies
   };
 
-  void AddSlab(DVec3 axis, std::span<const DVec3> points, std::span<const DVec3> directions);
+  ShadowRegion() = default;
+  // Returns whether the slab is one of the hull's faces.
+  bool AddSlab(DVec3 axis, std::span<const DVec3> points, std::span<const DVec3> directions);
+  bool MayMeet(const Aabb& box, size_t slab_count) const;
 
   std::vector<Slab> slabs_;
-  double extent_ = 0.0;  // largest coordinate of the hull's finite points, in m
+  size_t face_count_ = 0;  // of the slabs, the first
+  double extent_ = 0.0;    // largest coordinate of the hull's finite points, in m
+  // A gap narrower than this part of the coordinates is no gap; 0: slabs are as wide as they must.
+  double relative_slack_ = 0.0;
 };
 
 // The region last asked for, kept: light and receiver mostly stay while other things move.

@@ -1,0 +1,147 @@
+// Finding the outlines that 64 light samples see: every edge looked at for each, against the
+// hierarchies of clusters of edges and of groups of samples, as a computation uses them. One thread.
+//
+// Shares are of a whole Compute(): as it is, and with every edge looked at instead.
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "client/import/import_scene.h"
+#include "render/math/box_tree.h"
+#include "render/scene/light_sample.h"
+#include "render/technique/technique.h"
+#include "tests/bench/bench.h"
+#include "tests/support/rippled_torus.h"
+#include "tests/support/shapes.h"
+
+namespace penumbra::bench {
+namespace {
+
+constexpr uint32_t kSamples = 64;
+constexpr uint32_t kGroup = 8;
+
+// `mesh` 4 m wide, half a metre over the middle of a floor of 10 m, under a lamp of 2 m: the scene
+// of soft_texture.dragon.
+std::shared_ptr<const Scene> SceneWith(std::shared_ptr<const Mesh> mesh) {
+  const Aabb& box = mesh->bounds();
+  const float scale = 4 / std::max(box.extent().x, box.extent().z);
+  const Vec3 place =
+      Vec3(0, 0.5f - scale * box.min.y, 0) - scale * Vec3(box.center().x, 0, box.center().z);
+  SceneDelta delta;
+  delta.upsert_receivers = {testing::FloorReceiver("floor", 10, 256)};
+  delta.upsert_lights = {
+      {.id = "lamp",
+       .shape = RectangleLight{
+           .corner = Vec3(-1, 8, -1), .edge_u = Vec3(2, 0, 0), .edge_v = Vec3(0, 0, 2)}}};
+  delta.upsert_instances = {
+      {.id = "mesh", .mesh = std::move(mesh), .world_from_mesh = testing::Placed(place, scale)}};
+  return Scene::Empty("bench")->Apply(delta).value();
+}
+
+// The light samples as the mesh sees them, neighbours one after another.
+std::vector<DVec4> ViewpointsOf(const Scene& scene) {
+  const Affine& m = scene.FindInstance("mesh")->world_from_mesh;
+  const auto samples = SampleLight(*scene.FindLight("lamp"), kSamples, 1, Vec3(0.0f));
+  std::vector<Aabb> places;
+  for (const LightSample& sample : samples) places.push_back({sample.point, sample.point});
+  std::vector<DVec4> viewpoints;
+  BoxTree(places, kGroup).VisitLeaves([&](std::span<const uint32_t> leaf) {
+    for (const uint32_t s : leaf) {
+      viewpoints.emplace_back((DVec3(samples[s].point) - DVec3(m[3])) / double{m[0].x}, 1.0);
+    }
+  });
+  return viewpoints;
+}
+
+ViewBall BallAround(std::span<const DVec4> points) {
+  ViewBall ball;
+  for (const DVec4 point : points) ball.center += point / static_cast<double>(points.size());
+  for (const DVec4 point : points) {
+    ball.radius = std::max(ball.radius, glm::length(DVec3(point - ball.center)));
+  }
+  return ball;
+}
+
+std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> mesh,
+                         const BenchOptions& options) {
+  const double start = NowMs();
+  const SilhouetteEdges& edges = mesh->silhouette_edges();
+  const double prepared_ms = NowMs() - start;
+  const auto scene = SceneWith(mesh);
+  const std::vector<DVec4> views = ViewpointsOf(*scene);
+  SilhouetteList list;
+  size_t found = 0;
+  const auto one_by_one = [&] {
+    found = 0;
+    for (const DVec4 view : views) {
+      list.Clear();
+      edges.FindOneByOne(view, list);
+      found += list.count;
+    }
+  };
+  const auto by_groups = [&] {
+    const SilhouetteEdges seen = edges.SeenFrom(BallAround(views));
+    for (size_t v = 0; v < views.size(); v += kGroup) {
+      const auto group = std::span(views).subspan(v, kGroup);
+      const SilhouetteEdges narrowed = seen.SeenFrom(BallAround(group));
+      for (const DVec4 view : group) {
+        list.Clear();
+        narrowed.Find(view, list);
+      }
+    }
+  };
+  const auto by_clusters = [&] {
+    for (const DVec4 view : views) {
+      list.Clear();
+      edges.Find(view, list);
+    }
+  };
+  const ArtifactSpec spec{
+      SoftTextureParams{.samples = kSamples, .method = VisibilityMethod::kSilhouette}, "lamp",
+      "floor"};
+  tbb::task_arena arena(1);
+  const Duel duel = Interleave(0.4 * options.min_seconds, by_groups, one_by_one);
+  const Duel single = Interleave(0.2 * options.min_seconds, by_clusters, one_by_one);
+  const Duel share = Interleave(0.4 * options.min_seconds, by_groups, [&] {
+    (void)TechniqueFor(spec.params).Compute(*scene, spec, {.arena = arena});
+  });
+  const double compute = share.PeersMs(), finding = share.OursMs(), flat = duel.PeersMs();
+  const double all = static_cast<double>(edges.shared_edge_count() + edges.border_edge_count());
+  const std::string prefix = "soft_texture." + name + ".";
+  return {{prefix + "faces", static_cast<double>(mesh->triangle_count()), "1"},
+          {prefix + "eliminated_fraction", 1 - static_cast<double>(found) / kSamples / all, "1"},
+          {prefix + "flat_per_sample", flat / kSamples, "ms"},
+          {prefix + "hierarchical_per_sample", duel.OursMs() / kSamples, "ms"},
+          {prefix + "speedup_vs_flat", duel.Speedup(), "x"},
+          {prefix + "single_view_speedup_vs_flat", single.Speedup(), "x"},
+          {prefix + "find_share_flat", flat / (compute - finding + flat), "1"},
+          {prefix + "find_share_hierarchical", finding / compute, "1"},
+          {prefix + "prepare_vs_compute", prepared_ms / compute, "x"},
+          {prefix + "bytes_per_face",
+           static_cast<double>(edges.bytes()) / static_cast<double>(mesh->triangle_count()), "B"}};
+}
+
+}  // namespace
+
+std::vector<Row> SilhouetteSuite(const BenchOptions& options) {
+  std::vector<Row> rows;
+  const auto run = [&](const std::string& name, std::shared_ptr<const Mesh> mesh) {
+    const std::vector<Row> more = RunCase(name, std::move(mesh), options);
+    rows.insert(rows.end(), more.begin(), more.end());
+  };
+  run("silhouette_5k", testing::MeshOf(testing::RippledTorus(100, 25)));
+  run("silhouette_50k", testing::MeshOf(testing::RippledTorus(250, 100)));
+  run("silhouette_200k", testing::MeshOf(testing::RippledTorus(500, 200)));
+  if (options.ply.empty()) return rows;
+  const auto imported = ImportScene(options.ply);
+  if (!imported.ok() || imported->instances.empty()) {
+    std::fprintf(stderr, "penumbra_bench: --ply: %s\n",
+                 std::string(imported.status().message()).c_str());
+    std::exit(1);
+  }
+  run("silhouette_ply", imported->instances.front().mesh);
+  return rows;
+}
+
+}  // namespace penumbra::bench
