@@ -27,20 +27,27 @@ double SteadyNowMs() {
       .count();
 }
 
-LocalEngineOptions EngineOptions(const ServerOptions& options) {
+using GlWorker = absl::StatusOr<std::unique_ptr<gl::Worker>>;
+
+// `gl_worker` outlives the engine.
+LocalEngineOptions EngineOptions(const ServerOptions& options, const GlWorker& gl_worker) {
   return {.cpu_threads = options.threads,
           .scene_limits = options.limits.scene,
           .max_scenes = options.limits.max_scenes,
           .now_ms = SteadyNowMs,
+          .gl_worker = [&gl_worker]() -> absl::StatusOr<gl::Worker*> {
+            if (!gl_worker.ok()) return gl_worker.status();
+            return gl_worker->get();
+          },
           .technique_for = options.technique_for};
 }
 
-absl::StatusOr<std::unique_ptr<gl::Worker>> OpenGl(const ServerOptions& options) {
+GlWorker OpenGl(const ServerOptions& options) {
   if (!options.opens_gl) return absl::UnavailableError("switched off");
   return gl::Worker::Create({.context = {.device = options.egl_device}});
 }
 
-v1::GlInfo GlInfoOf(const absl::StatusOr<std::unique_ptr<gl::Worker>>& worker) {
+v1::GlInfo GlInfoOf(const GlWorker& worker) {
   v1::GlInfo proto;
   if (!worker.ok()) {
     proto.set_error(std::string(worker.status().message()));
@@ -59,13 +66,15 @@ v1::GlInfo GlInfoOf(const absl::StatusOr<std::unique_ptr<gl::Worker>>& worker) {
 // In the order in which they need one another; destroyed from below.
 struct PenumbraServer::Parts {
   explicit Parts(const ServerOptions& options)
-      : limits(options.limits), engine(EngineOptions(options)), gl_worker(OpenGl(options)) {}
+      : limits(options.limits),
+        gl_worker(OpenGl(options)),
+        engine(EngineOptions(options, gl_worker)) {}
 
   const ServerLimits limits;
   ServerCounters counters;
   StreamServices stream_services{counters};
+  const GlWorker gl_worker;
   LocalEngine engine;
-  const absl::StatusOr<std::unique_ptr<gl::Worker>> gl_worker;
   BlobStore blobs{limits};
   SceneStore scenes{engine, limits, counters};
   StreamTable streams{engine, stream_services};

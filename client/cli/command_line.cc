@@ -110,7 +110,7 @@ void Grammar::AddTechnique(CLI::App* app, TechniqueParams& params) {
   Add(app, "--seed", "N", "Of the samples' jitter: the same seed gives the same bits (default 1)",
       [&params](const std::string& text) { return SetSeed(params, text); });
   Add(app, "--method", "NAME",
-      "How hard shadows are drawn: auto, coverage, edge_flag or silhouette; all give the same "
+      "How hard shadows are drawn: auto, coverage, edge_flag, silhouette or gl; all give the same "
       "counts (default auto)",
       [&params](const std::string& text) { return SetMethod(params, text); });
 }

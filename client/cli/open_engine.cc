@@ -7,13 +7,17 @@
 #include "client/session/remote_engine.h"
 #include "client/session/steady_clock.h"
 #include "render/engine/local_engine.h"
+#include "render/gl/lazy_worker.h"
 
 namespace penumbra {
 
 absl::StatusOr<std::unique_ptr<Engine>> OpenEngine(const EngineChoice& choice) {
   if (choice.server.empty()) {
-    return std::make_unique<LocalEngine>(
-        LocalEngineOptions{.cpu_threads = static_cast<int>(choice.threads), .now_ms = NowMs});
+    const auto gl = std::make_shared<gl::LazyWorker>(gl::WorkerOptions{});
+    return std::make_unique<LocalEngine>(LocalEngineOptions{
+        .cpu_threads = static_cast<int>(choice.threads), .now_ms = NowMs, .gl_worker = [gl] {
+          return gl->Get();
+        }});
   }
   return RemoteEngine::Connect({.address = choice.server});
 }

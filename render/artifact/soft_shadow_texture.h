@@ -36,7 +36,7 @@ struct SoftShadowTexture {
   ReceiverPatch receiver;
   AreaLight light;
   VisibilityMap visibility;
-  // Only where the spec asked for it; ReflectedRadiance() makes the same from the rest.
+  // Only where the spec asked for it. The same as ReflectedRadiance(), but for the method gl.
   std::optional<RadianceTexture> radiance;
 };
 

@@ -109,13 +109,14 @@ void Channel::RunJob() {
 absl::StatusOr<std::shared_ptr<const Artifact>> Channel::Compute(const Scene& scene,
                                                                  std::stop_token stop) {
   const ComputeContext context{.arena = resources_.arena,
-                               .gl = nullptr,
                                .stop = std::move(stop),
                                .progress = [this](Artifact pass) { OnPass(std::move(pass)); },
                                .now_ms = resources_.now_ms,
                                .memory = &memory_};
   try {
-    absl::StatusOr<Artifact> artifact = technique_.Compute(scene, spec_, context);
+    absl::StatusOr<Artifact> artifact = technique_.NeedsGl(spec_)
+                                            ? ComputeOnGl(scene, context)
+                                            : technique_.Compute(scene, spec_, context);
     if (!artifact.ok()) return artifact.status();
     return std::make_shared<const Artifact>(*std::move(artifact));
   } catch (const std::bad_alloc&) {
@@ -127,12 +128,42 @@ absl::StatusOr<std::shared_ptr<const Artifact>> Channel::Compute(const Scene& sc
   }
 }
 
+absl::StatusOr<Artifact> Channel::ComputeOnGl(const Scene& scene, ComputeContext context) {
+  const auto worker = resources_.gl_worker
+                          ? resources_.gl_worker()
+                          : absl::UnavailableError("this engine was made without OpenGL");
+  if (!worker.ok()) {
+    context.gl_error = std::string(worker.status().message());
+    return technique_.Compute(scene, spec_, context);
+  }
+  absl::StatusOr<Artifact> artifact = absl::UnavailableError("GL worker: the job did not run");
+  // What the technique throws must not end the worker's thread.
+  std::exception_ptr thrown;
+  const absl::Status status = (*worker)->Run([&](gl::Context& gl_context) {
+    ComputeContext on_gl = context;
+    on_gl.gl = &gl_context;
+    thrown = nullptr;
+    try {
+      artifact = technique_.Compute(scene, spec_, on_gl);
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+    return artifact.status();
+  });
+  if (thrown) std::rethrow_exception(thrown);
+  if (!status.ok()) return status;
+  return artifact;
+}
+
 void Channel::OnPass(Artifact artifact) {
   std::optional<std::stop_source> stop;
+  const uint32_t pass = artifact.header.pass;
   auto shared = std::make_shared<const Artifact>(std::move(artifact));
   {
     std::lock_guard lock(mutex_);
     if (ended_ || !job_ || (job_->superseded && job_->published)) return;
+    if (pass < job_->next_pass) return;
+    job_->next_pass = pass + 1;
     if (!std::exchange(job_->published, true)) ++resources_.counters.first_passes;
     ++resources_.counters.artifacts_published;
     if (job_->superseded) stop = job_->stop;

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -21,10 +22,14 @@
 #include "render/engine/job_queue.h"
 #include "render/engine/scene_change.h"
 #include "render/engine/subscriber.h"
+#include "render/gl/worker.h"
 #include "render/technique/technique.h"
 #include "tbb/task_arena.h"
 
 namespace penumbra {
+
+// The worker for jobs that take GL; may make it when it is first asked. An error: there is none.
+using GlWorkerSource = std::function<absl::StatusOr<gl::Worker*>()>;
 
 // What jobs run on. Outlives the jobs, not the channels.
 struct JobResources {
@@ -33,6 +38,7 @@ struct JobResources {
   MonotonicClock now_ms;
   EngineCounters& counters;
   MemoryBudget& kept;  // for what techniques keep between jobs
+  GlWorkerSource gl_worker;
 };
 
 class Channel : public std::enable_shared_from_this<Channel> {
@@ -66,6 +72,7 @@ class Channel : public std::enable_shared_from_this<Channel> {
         0;  // later than the scene's after commits that do not affect the artifact
     std::stop_source stop{};
     bool published = false;
+    uint32_t next_pass = 0;  // those before have been published, perhaps by an earlier attempt
     bool superseded = false;
   };
 
@@ -76,6 +83,8 @@ class Channel : public std::enable_shared_from_this<Channel> {
 
   void OnPass(Artifact artifact);
   absl::StatusOr<std::shared_ptr<const Artifact>> Compute(const Scene& scene, std::stop_token stop);
+  // On a GL worker's thread, again after the context was lost; without one on this thread.
+  absl::StatusOr<Artifact> ComputeOnGl(const Scene& scene, ComputeContext context);
 
   const ArtifactSpec spec_;
   const Technique& technique_;

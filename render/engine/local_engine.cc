@@ -158,7 +158,8 @@ absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::
                                .arena = threads_->arena,
                                .now_ms = options_.now_ms,
                                .counters = counters_,
-                               .kept = kept_};
+                               .kept = kept_,
+                               .gl_worker = options_.gl_worker};
   const absl::Status subscribed =
       (*scene)->Subscribe(spec, technique, resources, options_.max_artifacts_per_scene, subscriber);
   if (!subscribed.ok()) return subscribed;

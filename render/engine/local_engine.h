@@ -25,6 +25,9 @@
 namespace penumbra {
 
 class LiveScene;
+namespace gl {
+class Worker;
+}
 
 struct LocalEngineOptions {
   int cpu_threads = 0;       // that jobs share; 0: as many as the hardware has
@@ -39,6 +42,9 @@ struct LocalEngineOptions {
   size_t max_artifacts_per_scene = 1024;
   size_t max_viewers_per_scene = 1024;
   MonotonicClock now_ms = nullptr;  // null: artifacts carry no timings
+  // For specs that take GL. Null: they end in an error. The worker must outlive the engine, or the
+  // function own it.
+  std::function<absl::StatusOr<gl::Worker*>()> gl_worker = nullptr;
   // What computes a spec; tests put their own here. It must outlive the engine.
   std::function<const Technique&(const TechniqueParams&)> technique_for = TechniqueFor;
 };

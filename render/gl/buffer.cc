@@ -56,4 +56,8 @@ void Buffer::BindStorage(Context& context, uint32_t binding) const {
   if (context.MakeCurrent().ok()) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name());
 }
 
+void Buffer::BindUniforms(Context& context, uint32_t binding) const {
+  if (context.MakeCurrent().ok()) glBindBufferBase(GL_UNIFORM_BUFFER, binding, name());
+}
+
 }  // namespace penumbra::gl

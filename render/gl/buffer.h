@@ -27,6 +27,8 @@ class Buffer {
   absl::Status Write(Context& context, size_t offset, std::span<const std::byte> content);
   absl::Status Read(Context& context, size_t offset, std::span<std::byte> content) const;
   void BindStorage(Context& context, uint32_t binding) const;
+  // layout(std140, binding = …) uniform …, which may be as large as the shader's block or larger
+  void BindUniforms(Context& context, uint32_t binding) const;
 
  private:
   ObjectName name_;

@@ -127,6 +127,7 @@ void Context::ReadInfo() {
 
 Context::~Context() {
   if (life_ != nullptr) life_->context = nullptr;
+  kept_.clear();
   if (native_ == nullptr) return;
   // Messages must not reach this object while it goes.
   if (MakeCurrent().ok()) {

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -74,6 +75,10 @@ class Context {
   // Makes the context report a loss from now on, for software drivers never do.
   void SimulateLoss() { loss_simulated_ = true; }
 
+  // What one user of the context keeps in it from one job to the next: null at first, and gone with
+  // the context, on its thread. `owner` is any address that is the user's own.
+  std::shared_ptr<void>& Kept(const void* owner) { return kept_[owner]; }
+
   // The driver's warnings and errors since the last call, oldest first, at most 64 of them.
   std::vector<std::string> TakeMessages();
 
@@ -91,6 +96,7 @@ class Context {
   bool loss_simulated_ = false;
   std::vector<std::string> messages_;
   std::shared_ptr<ContextLife> life_;
+  std::map<const void*, std::shared_ptr<void>> kept_;
 };
 
 // The name of a GL object and the duty to delete it. Move-only. Deletes on the context's thread

@@ -3,14 +3,45 @@
 #include "render/gl/gl.h"
 
 namespace penumbra::gl {
+namespace {
+
+void SetArea(const DrawCall& call) {
+  const PixelArea& area = call.area;
+  if (area.width > 0 && area.height > 0) {
+    glViewport(area.x, area.y, area.width, area.height);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(area.x, area.y, area.width, area.height);
+  } else {
+    glViewport(0, 0, call.target.options().width, call.target.options().height);
+    glDisable(GL_SCISSOR_TEST);
+  }
+}
+
+void SetCombine(Combine combine) {
+  if (combine == Combine::kAdd) {
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
+    glBlendFunc(GL_ONE, GL_ONE);
+  } else {
+    glDisable(GL_BLEND);
+  }
+  if (combine == Combine::kOr) {
+    glEnable(GL_COLOR_LOGIC_OP);
+    glLogicOp(GL_OR);
+  } else {
+    glDisable(GL_COLOR_LOGIC_OP);
+  }
+}
+
+}  // namespace
 
 void Draw(Context& context, const DrawCall& call) {
-  if (call.count <= 0 || !context.MakeCurrent().ok()) return;
+  if (call.count <= 0 || call.instances <= 0 || !context.MakeCurrent().ok()) return;
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, call.target.name());
-  glViewport(0, 0, call.target.options().width, call.target.options().height);
+  SetArea(call);
+  SetCombine(call.combine);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   glDisable(GL_CULL_FACE);
-  glDisable(GL_BLEND);
   if (call.depth_test == DepthTest::kNone) {
     glDisable(GL_DEPTH_TEST);
   } else {
@@ -23,9 +54,9 @@ void Draw(Context& context, const DrawCall& call) {
   glUseProgram(call.program.name());
   glBindVertexArray(call.vertices.name());
   if (call.vertices.has_indices()) {
-    glDrawElements(GL_TRIANGLES, call.count, GL_UNSIGNED_INT, nullptr);
+    glDrawElementsInstanced(GL_TRIANGLES, call.count, GL_UNSIGNED_INT, nullptr, call.instances);
   } else {
-    glDrawArrays(GL_TRIANGLES, 0, call.count);
+    glDrawArraysInstanced(GL_TRIANGLES, call.first, call.count, call.instances);
   }
 }
 

@@ -16,6 +16,15 @@ namespace penumbra::gl {
 
 enum class DepthTest { kNone, kNearer, kNearerOrEqual };
 
+// What becomes of the colour that is there: replaced, added to (floats), or united with bit by bit
+// (whole numbers).
+enum class Combine { kReplace, kAdd, kOr };
+
+// Pixels of a target; `y` counts from the bottom.
+struct PixelArea {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
 struct DrawCall {
   const Program& program;
   const VertexArray& vertices;
@@ -24,6 +33,11 @@ struct DrawCall {
   DepthTest depth_test = DepthTest::kNearer;
   bool writes_depth = true;
   bool writes_color = true;
+  Combine combine = Combine::kReplace;
+  int first = 0;      // vertex, where there are no indices
+  int instances = 1;  // times that all of it is drawn
+  // Where clip space lies, and all that is drawn to. Empty: the whole target.
+  PixelArea area{};
 };
 
 void Draw(Context& context, const DrawCall& call);

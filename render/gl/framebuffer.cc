@@ -36,13 +36,15 @@ absl::StatusOr<Framebuffer> Framebuffer::Create(Context& context,
   framebuffer.options_ = options;
   auto color = Texture::Create(context, image);
   if (!color.ok()) return color.status();
-  image.format = Format::kDepth32F;
-  auto depth = Texture::Create(context, image);
-  if (!depth.ok()) return depth.status();
-  auto name = Attach(context, *color, &*depth);
+  if (options.has_depth) {
+    image.format = Format::kDepth32F;
+    auto depth = Texture::Create(context, image);
+    if (!depth.ok()) return depth.status();
+    framebuffer.depth_ = *std::move(depth);
+  }
+  auto name = Attach(context, *color, options.has_depth ? &framebuffer.depth_ : nullptr);
   if (!name.ok()) return name.status();
   framebuffer.color_ = *std::move(color);
-  framebuffer.depth_ = *std::move(depth);
   framebuffer.name_ = *std::move(name);
   if (options.samples == 1) return framebuffer;
 
@@ -63,14 +65,24 @@ void Framebuffer::Clear(Context& context, Vec4 color) {
   // Masks hold for clearing too, and a draw may have left them off.
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
+  glDisable(GL_SCISSOR_TEST);
   glClearNamedFramebufferfv(name(), GL_COLOR, 0, &color.x);
-  glClearNamedFramebufferfv(name(), GL_DEPTH, 0, &farthest);
+  if (options_.has_depth) glClearNamedFramebufferfv(name(), GL_DEPTH, 0, &farthest);
+}
+
+void Framebuffer::ClearToZeros(Context& context) {
+  if (!context.MakeCurrent().ok()) return;
+  constexpr GLuint kZeros[4] = {};
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDisable(GL_SCISSOR_TEST);
+  glClearNamedFramebufferuiv(name(), GL_COLOR, 0, kZeros);
 }
 
 absl::StatusOr<std::vector<Vec4>> Framebuffer::ReadPixels(Context& context) {
   if (absl::Status status = context.MakeCurrent(); !status.ok()) return status;
   const int width = options_.width, height = options_.height;
   if (options_.samples > 1) {
+    glDisable(GL_SCISSOR_TEST);  // it would hold for the copy too
     glBlitNamedFramebuffer(name(), resolved_name_.get(), 0, 0, width, height, 0, 0, width, height,
                            GL_COLOR_BUFFER_BIT, GL_NEAREST);
   }

@@ -1,4 +1,4 @@
-// A colour and a depth image to draw into.
+// A colour image to draw into, and a depth image unless it is left out.
 //
 //   auto target = gl::Framebuffer::Create(context, {.width = 512, .height = 512, .samples = 4});
 //   target->Clear(context, {0, 0, 0, 0});
@@ -20,6 +20,7 @@ struct FramebufferOptions {
   int height = 0;
   Format color = Format::kRgba32F;
   int samples = 1;
+  bool has_depth = true;
 };
 
 class Framebuffer {
@@ -32,6 +33,10 @@ class Framebuffer {
 
   // Depth is cleared to 0, the far end: depth is reversed throughout (see draw.h).
   void Clear(Context& context, Vec4 color);
+  // The same for a colour image of whole numbers: all zeros.
+  void ClearToZeros(Context& context);
+  // For a program to read.
+  void BindColor(Context& context, uint32_t unit) const { color_.Bind(context, unit); }
 
   // The colour image as RGBA, its samples averaged. Row 0 is at the bottom.
   absl::StatusOr<std::vector<Vec4>> ReadPixels(Context& context);

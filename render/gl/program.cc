@@ -98,6 +98,9 @@ void Program::Set(Context& context, const char* uniform, uint32_t value) {
 void Program::Set(Context& context, const char* uniform, float value) {
   glProgramUniform1f(name(), Location(context, uniform), value);
 }
+void Program::Set(Context& context, const char* uniform, glm::ivec2 value) {
+  glProgramUniform2i(name(), Location(context, uniform), value.x, value.y);
+}
 void Program::Set(Context& context, const char* uniform, Vec2 value) {
   glProgramUniform2fv(name(), Location(context, uniform), 1, &value.x);
 }

@@ -40,6 +40,7 @@ class Program {
   void Set(Context& context, const char* uniform, int value);
   void Set(Context& context, const char* uniform, uint32_t value);
   void Set(Context& context, const char* uniform, float value);
+  void Set(Context& context, const char* uniform, glm::ivec2 value);
   void Set(Context& context, const char* uniform, Vec2 value);
   void Set(Context& context, const char* uniform, Vec3 value);
   void Set(Context& context, const char* uniform, Vec4 value);

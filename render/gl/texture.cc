@@ -29,6 +29,10 @@ FormatInfo InfoOf(Format format) {
       return {GL_RGBA32F, GL_RGBA, GL_FLOAT, 16};
     case Format::kDepth32F:
       return {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, 4};
+    case Format::kR8Ui:
+      return {GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1};
+    case Format::kRg32Ui:
+      return {GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, 8};
   }
   return {};
 }

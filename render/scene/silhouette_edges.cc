@@ -75,7 +75,7 @@ SilhouetteEdges SilhouetteEdges::SeenFrom(const ViewBall& ball) const {
 size_t SilhouetteEdges::bytes() const {
   // Two vertices and two planes of four numbers an edge, nine numbers a cluster.
   size_t numbers = 10 * (shared_.from.size() + border_.from.size());
-  for (const ClusterLevel& level : levels_) numbers += 9 * level.size();
+  for (const ClusterLevel& level : levels_) numbers += 9 * level.x.size();
   return sizeof(float) * numbers;
 }
 

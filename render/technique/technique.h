@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <stop_token>
+#include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -26,6 +27,7 @@ using MonotonicClock = std::function<double()>;
 struct ComputeContext {
   tbb::task_arena& arena;     // where CPU work runs
   gl::Context* gl = nullptr;  // current on this thread, or null
+  std::string gl_error;       // where `gl` is null: why there is none, if anybody knows
   std::stop_token stop;       // checked at least once per light sample
   std::function<void(Artifact)>
       progress;                       // takes coarse artifacts before the final one; may be null
@@ -45,6 +47,9 @@ class Technique {
   // Errors  kInvalidArgument: a parameter; kNotFound: no such light or receiver;
   //         kFailedPrecondition: the receiver has no place
   virtual absl::Status Check(const Scene& scene, const ArtifactSpec& spec) const = 0;
+
+  // Whether computing `spec` takes a GL context.
+  virtual bool NeedsGl(const ArtifactSpec& /*spec*/) const { return false; }
 
   // The final artifact; the coarse ones before it go to `context.progress`.
   //

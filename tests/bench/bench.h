@@ -34,6 +34,7 @@ std::vector<Row> SilhouetteSuite(const BenchOptions& options);
 std::vector<Row> MethodsSuite(const BenchOptions& options);
 std::vector<Row> GrowthSuite(const BenchOptions& options);
 std::vector<Row> ServiceSuite(const BenchOptions& options);
+std::vector<Row> GlSuite(const BenchOptions& options);
 
 // What tells how soon shadows follow a drag; a part of SoftTextureSuite.
 std::vector<Row> DragRows(const BenchOptions& options);

@@ -27,7 +27,8 @@ constexpr NamedSuite kSuites[] = {{"soft_texture", SoftTextureSuite},
                                   {"silhouette", SilhouetteSuite, true},
                                   {"methods", MethodsSuite, true},
                                   {"growth", GrowthSuite, true},
-                                  {"service", ServiceSuite}};
+                                  {"service", ServiceSuite},
+                                  {"gl", GlSuite}};
 
 void Print(const std::vector<Row>& rows) {
   for (const Row& row : rows) {

@@ -10,6 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "render/math/parallel_for.h"
 #include "render/scene/field_error.h"
+#include "render/technique/soft_texture/gl/gl_shadows.h"
 #include "render/technique/soft_texture/occlusion_counter.h"
 
 namespace penumbra {
@@ -93,6 +94,10 @@ class Computation {
       plan_.base->samples = samples_;
       moving_.CountBeyond(plan_.base->shadows);
     }
+    if (ParamsOf(spec).method == VisibilityMethod::kGl) {
+      on_gl_.emplace(*context.gl, scene, receiver_, surface_offset_,
+                     ParamsOf(spec).radiance ? light_.get() : nullptr);
+    }
     header_.scene_id = scene.id();
     header_.revision = scene.revision();
     header_.scene_hash = scene.content_hash();
@@ -128,7 +133,7 @@ class Computation {
   const SoftTextureParams& params() const { return ParamsOf(spec_); }
 
   EditPlan Plan() const {
-    if (!context_.memory) return {};
+    if (!context_.memory || params().method == VisibilityMethod::kGl) return {};
     return PlanEdit(*context_.memory, {receiver_, *light_, params()}, scene_);
   }
   std::vector<LightSample> Samples() const {
@@ -160,8 +165,9 @@ class Computation {
     if (plan_.base && upto > plan_.base->drawn) {
       if (const auto status = ExtendBase(upto); !status.ok()) return status;
     }
-    return moving_.Add(std::span(samples_).subspan(done, upto - done), context_.arena,
-                       context_.stop);
+    const auto added = std::span(samples_).subspan(done, upto - done);
+    return on_gl_ ? on_gl_->Add(added, context_.stop)
+                  : moving_.Add(added, context_.arena, context_.stop);
   }
 
   absl::Status ExtendBase(uint32_t upto) {
@@ -181,7 +187,7 @@ class Computation {
   }
 
   std::vector<uint16_t> VisibleCounts(uint32_t done) const {
-    const std::vector<uint16_t>& hidden = moving_.counts();
+    const std::vector<uint16_t>& hidden = on_gl_ ? on_gl_->counts() : moving_.counts();
     std::vector<uint16_t> visible(hidden.size());
     const auto beyond = [done](uint16_t a, uint16_t b) {
       return static_cast<uint16_t>(done - a - b);
@@ -203,7 +209,9 @@ class Computation {
     SoftShadowTexture texture{
         .receiver = receiver_, .light = *light_, .visibility = {}, .radiance = {}};
     texture.visibility = {receiver_.width, receiver_.height, done, VisibleCounts(done)};
-    if (params().radiance) {
+    if (on_gl_ && params().radiance) {
+      texture.radiance = on_gl_->Radiance();
+    } else if (params().radiance) {
       const Stopwatch shading(context_.now_ms);
       RunIn(context_.arena, [&] { texture.radiance = ReflectedRadiance(texture, context_.stop); });
       header_.timings_ms["shading"] = shading.ElapsedMs();
@@ -230,6 +238,7 @@ class Computation {
   // drawn.
   OcclusionCounter moving_;
   std::optional<OcclusionCounter> still_;
+  std::optional<GlShadows> on_gl_;  // in place of both
   ArtifactHeader header_;
 };
 
@@ -250,9 +259,19 @@ absl::Status SoftTexture::Check(const Scene& scene, const ArtifactSpec& spec) co
   return scene.ResolveReceiver(spec.receiver_id).status();
 }
 
+bool SoftTexture::NeedsGl(const ArtifactSpec& spec) const {
+  return ParamsOf(spec).method == VisibilityMethod::kGl;
+}
+
 absl::StatusOr<Artifact> SoftTexture::Compute(const Scene& scene, const ArtifactSpec& spec,
                                               const ComputeContext& context) const {
   if (const auto status = Check(scene, spec); !status.ok()) return status;
+  if (NeedsGl(spec) && !context.gl) {
+    return FieldError(absl::StatusCode::kFailedPrecondition, "NO_GL", "soft_texture.method",
+                      absl::StrCat("found gl, need an engine with an OpenGL context, or another "
+                                   "method",
+                                   context.gl_error.empty() ? "" : ": ", context.gl_error));
+  }
   return Computation(scene, spec, context, *scene.ResolveReceiver(spec.receiver_id),
                      scene.FindLight(spec.light_id))
       .Run();

@@ -16,11 +16,12 @@ enum class VisibilityMethod : uint8_t {
   kCoverage,    // every triangle is filled
   kEdgeFlag,    // every triangle's edges are flagged, and rows summed up
   kSilhouette,  // the same with the edges of meshes' outlines alone
+  kGl,  // drawn by OpenGL, and radiance by the sum over samples; needs an engine that has it
 };
 
 // In the order of the methods.
-inline constexpr std::array<std::string_view, 4> kVisibilityMethodNames = {
-    "auto", "coverage", "edge_flag", "silhouette"};
+inline constexpr std::array<std::string_view, 5> kVisibilityMethodNames = {
+    "auto", "coverage", "edge_flag", "silhouette", "gl"};
 
 constexpr std::string_view NameOf(VisibilityMethod method) {
   return kVisibilityMethodNames[static_cast<size_t>(method)];
@@ -47,7 +48,7 @@ struct SoftTextureParams {
       {"seed", "uint", "1", "any 64-bit number",
        "of the jitter: the same seed gives the same bits"},
       {"radiance", "bool", "false", "", "deliver reflected radiance next to the counts"},
-      {"method", "enum", "auto", "auto, coverage, edge_flag or silhouette",
+      {"method", "enum", "auto", "auto, coverage, edge_flag, silhouette or gl",
        "how hard shadows are drawn; all give the same counts"},
   };
   static constexpr TechniqueInfo kInfo = {

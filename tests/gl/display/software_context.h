@@ -10,7 +10,7 @@
 
 namespace penumbra {
 
-class SoftwareContextTest : public testing::Test {
+class SoftwareContextTest : public ::testing::Test {
  protected:
   void SetUp() override {
     auto context = gl::Context::Create({.device = "software"});

@@ -1,0 +1,68 @@
+// The meshes and alpha masks that a GL context holds, by their content hash.
+//
+//   MeshStore store(256 << 20);
+//   auto mesh = store.Mesh(context, *instance->mesh);   // uploaded unless it is there
+//   (*mesh)->Bind(context);
+#pragma once
+
+#include <list>
+#include <map>
+#include <utility>
+#include <variant>
+
+#include "absl/status/statusor.h"
+#include "render/gl/buffer.h"
+#include "render/gl/context.h"
+#include "render/gl/texture.h"
+#include "render/scene/alpha_mask.h"
+#include "render/scene/mesh.h"
+
+namespace penumbra::texture_gl {
+
+struct GpuMesh {
+  gl::Buffer positions, indices, uvs;
+
+  // Where the occluders' shaders look for them.
+  void Bind(gl::Context& context) const;
+};
+
+// What was asked for longest ago goes first when room is needed.
+class MeshStore {
+ public:
+  explicit MeshStore(size_t max_bytes) : max_bytes_(max_bytes) {}
+
+  // What is returned stays until the next call; what was drawn from it before is not affected by
+  // its going.
+  //
+  // Errors  kResourceExhausted, GL_MEMORY: it is larger than all that may be kept, or than the
+  //         driver allows; and those of gl::Buffer and gl::Texture
+  absl::StatusOr<const GpuMesh*> Mesh(gl::Context& context, const penumbra::Mesh& mesh);
+  // The same; `beside`, a mesh that was asked for last, stays too.
+  absl::StatusOr<const gl::Texture*> Mask(gl::Context& context, const AlphaMask& mask,
+                                          const penumbra::Mesh& beside);
+
+  size_t bytes() const { return bytes_; }
+  size_t upload_count() const { return upload_count_; }
+
+ private:
+  struct Entry {
+    ContentHash id;
+    size_t bytes;
+    std::variant<GpuMesh, gl::Texture> content;
+  };
+  using Entries = std::list<Entry>;
+
+  // The entry of that id, moved to the front; null if there is none.
+  Entry* Find(const ContentHash& id);
+  // Drops entries until `bytes` more fit beside `pinned`, which may be null and is the first entry.
+  absl::Status MakeRoom(size_t bytes, size_t limit, const ContentHash* pinned, const char* what);
+  Entry& Add(Entry entry);
+
+  const size_t max_bytes_;
+  size_t bytes_ = 0;
+  size_t upload_count_ = 0;
+  Entries entries_;  // asked for last first
+  std::map<ContentHash, Entries::iterator> by_id_;
+};
+
+}  // namespace penumbra::texture_gl
