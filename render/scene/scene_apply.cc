@@ -224,6 +224,22 @@ std::string PathOfCause(const SceneDelta& delta, const std::string& receiver_id,
   return "";
 }
 
+// Whether every receiver that `delta` touches still has a plane to lie in.
+absl::Status CheckPlanes(const Scene& scene, const SceneDelta& delta) {
+  const Touched touched(delta);
+  for (const auto& [id, receiver] : scene.receivers()) {
+    const auto* planar = std::get_if<PlanarInstance>(&receiver->shape);
+    if (!planar || !touched.Has(id, planar->instance_id)) continue;
+    if (const auto patch = scene.ResolveReceiver(id); !patch.ok()) {
+      const std::string path = PathOfCause(delta, id, planar->instance_id);
+      return FieldError(
+          patch.status().code(), ErrorReason(patch.status()), path,
+          absl::StrCat("receiver ", id, " would lose its plane: ", patch.status().message()));
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Apply(const SceneDelta& delta,
@@ -254,17 +270,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Apply(const SceneDelta& delt
   if (!receivers.ok()) return receivers.status();
   next->receivers_ = *std::move(receivers);
 
-  const Touched touched(delta);
-  for (const auto& [id, receiver] : *next->receivers_) {
-    const auto* planar = std::get_if<PlanarInstance>(&receiver->shape);
-    if (!planar || !touched.Has(id, planar->instance_id)) continue;
-    if (const auto patch = next->ResolveReceiver(id); !patch.ok()) {
-      const std::string path = PathOfCause(delta, id, planar->instance_id);
-      return FieldError(
-          patch.status().code(), ErrorReason(patch.status()), path,
-          absl::StrCat("receiver ", id, " would lose its plane: ", patch.status().message()));
-    }
-  }
+  if (const auto status = CheckPlanes(*next, delta); !status.ok()) return status;
   return next;
 }
 

@@ -1,5 +1,6 @@
 // Finding the outlines that 64 light samples see: every edge looked at for each, against the
-// hierarchies of clusters of edges and of groups of samples, as a computation uses them. One thread.
+// hierarchies of clusters of edges and of groups of samples, as a computation uses them, on one
+// thread.
 //
 // Shares are of a whole Compute(): as it is, and with every edge looked at instead.
 
@@ -63,54 +64,67 @@ ViewBall BallAround(std::span<const DVec4> points) {
   return ball;
 }
 
-std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> mesh,
-                         const BenchOptions& options) {
-  const double start = NowMs();
-  const SilhouetteEdges& edges = mesh->silhouette_edges();
-  const double prepared_ms = NowMs() - start;
-  const auto scene = SceneWith(mesh);
-  const std::vector<DVec4> views = ViewpointsOf(*scene);
-  SilhouetteList list;
-  size_t found = 0;
-  const auto one_by_one = [&] {
+// Ways to find the outlines of one mesh from all views.
+struct Finder {
+  const SilhouetteEdges& edges;
+  const std::vector<DVec4> views;
+  SilhouetteList list{};
+  size_t found = 0;  // edges, over all views, by the last that ran
+
+  void Find(const SilhouetteEdges& among, DVec4 view) {
+    list.Clear();
+    among.Find(view, list);
+    found += list.count;
+  }
+  void OneByOne() {
     found = 0;
     for (const DVec4 view : views) {
       list.Clear();
       edges.FindOneByOne(view, list);
       found += list.count;
     }
-  };
-  const auto by_groups = [&] {
+  }
+  void ByClusters() {
+    found = 0;
+    for (const DVec4 view : views) Find(edges, view);
+  }
+  void ByGroups() {
+    found = 0;
     const SilhouetteEdges seen = edges.SeenFrom(BallAround(views));
     for (size_t v = 0; v < views.size(); v += kGroup) {
       const auto group = std::span(views).subspan(v, kGroup);
       const SilhouetteEdges narrowed = seen.SeenFrom(BallAround(group));
-      for (const DVec4 view : group) {
-        list.Clear();
-        narrowed.Find(view, list);
-      }
+      for (const DVec4 view : group) Find(narrowed, view);
     }
-  };
-  const auto by_clusters = [&] {
-    for (const DVec4 view : views) {
-      list.Clear();
-      edges.Find(view, list);
-    }
-  };
+  }
+};
+
+std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> mesh,
+                         const BenchOptions& options) {
+  const double start = NowMs();
+  const SilhouetteEdges& edges = mesh->silhouette_edges();
+  const double prepared_ms = NowMs() - start;
+  const auto scene = SceneWith(mesh);
+  Finder finder{edges, ViewpointsOf(*scene)};
+  const auto by_groups = [&] { finder.ByGroups(); };
+  const auto one_by_one = [&] { finder.OneByOne(); };
   const ArtifactSpec spec{
       SoftTextureParams{.samples = kSamples, .method = VisibilityMethod::kSilhouette}, "lamp",
       "floor"};
   tbb::task_arena arena(1);
   const Duel duel = Interleave(0.4 * options.min_seconds, by_groups, one_by_one);
-  const Duel single = Interleave(0.2 * options.min_seconds, by_clusters, one_by_one);
+  const Duel single = Interleave(
+      0.2 * options.min_seconds, [&] { finder.ByClusters(); }, one_by_one);
+  const auto found = static_cast<double>(finder.found);
   const Duel share = Interleave(0.4 * options.min_seconds, by_groups, [&] {
     (void)TechniqueFor(spec.params).Compute(*scene, spec, {.arena = arena});
   });
   const double compute = share.PeersMs(), finding = share.OursMs(), flat = duel.PeersMs();
   const double all = static_cast<double>(edges.shared_edge_count() + edges.border_edge_count());
+  const double faces = static_cast<double>(mesh->triangle_count());
   const std::string prefix = "soft_texture." + name + ".";
-  return {{prefix + "faces", static_cast<double>(mesh->triangle_count()), "1"},
-          {prefix + "eliminated_fraction", 1 - static_cast<double>(found) / kSamples / all, "1"},
+  return {{prefix + "faces", faces, "1"},
+          {prefix + "eliminated_fraction", 1 - found / kSamples / all, "1"},
           {prefix + "flat_per_sample", flat / kSamples, "ms"},
           {prefix + "hierarchical_per_sample", duel.OursMs() / kSamples, "ms"},
           {prefix + "speedup_vs_flat", duel.Speedup(), "x"},
@@ -118,8 +132,7 @@ std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> me
           {prefix + "find_share_flat", flat / (compute - finding + flat), "1"},
           {prefix + "find_share_hierarchical", finding / compute, "1"},
           {prefix + "prepare_vs_compute", prepared_ms / compute, "x"},
-          {prefix + "bytes_per_face",
-           static_cast<double>(edges.bytes()) / static_cast<double>(mesh->triangle_count()), "B"}};
+          {prefix + "bytes_per_face", static_cast<double>(edges.bytes()) / faces, "B"}};
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ struct UnitBoxSides {
   float x[kCount], y[kCount], z[kCount], constant[kCount];
 };
 
-// What rounding may add to n·d + constant for a corner of a box, as a part of Σ |n| |d| + |constant|.
-// Testing takes six operations and drawing about ten, each wrong by 2⁻²⁴ at most, and four times
+// What rounding may add to n·d + constant for a corner of a box, as a part of
+// Σ |n| |d| + |constant|. Testing takes six operations and drawing about ten, each wrong by 2⁻²⁴ at most, and four times
 // that is allowed: whatever is left out would not have set a bit.
 inline constexpr double kUnitBoxSlack = 0x1.0p-18;
 

@@ -28,8 +28,8 @@ enum class OutlineRule : uint8_t {
 // An instance above the receiver's plane, of which no vertex is prepared yet.
 class OutlinedOccluder {
  public:
-  // Null where there is no outline: with an alpha mask, not wholly above the frame's surface offset,
-  // so flat that the way back into the mesh is lost, or of more than a million triangles.
+  // Null where there is no outline: with an alpha mask, not wholly above the frame's surface
+  // offset, so flat that the way back into the mesh is lost, or of more than a million triangles.
   static std::unique_ptr<const OutlinedOccluder> Create(std::shared_ptr<const Instance> instance,
                                                         const OccluderFrame& frame);
 
