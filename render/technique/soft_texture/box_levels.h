@@ -27,8 +27,8 @@ struct UnitBoxSides {
 };
 
 // What rounding may add to n·d + constant for a corner of a box, as a part of
-// Σ |n| |d| + |constant|. Testing takes six operations and drawing about ten, each wrong by 2⁻²⁴ at most, and four times
-// that is allowed: whatever is left out would not have set a bit.
+// Σ |n| |d| + |constant|. Testing takes six operations and drawing about ten, each wrong by 2⁻²⁴ at
+// most, and four times that is allowed: whatever is left out would not have set a bit.
 inline constexpr double kUnitBoxSlack = 0x1.0p-18;
 
 // Whether `box` is wholly outside one of the sides, by more than rounding.
