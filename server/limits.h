@@ -42,7 +42,8 @@ struct ServerLimits {
 
   // Each keeps one message of 1 MiB at most in flight.
   uint32_t max_sessions = 1'024;
-  uint32_t max_subscriptions_per_session = 256;
+  // A texture of every polygon of a room in a few lights; as many as the engine keeps of a scene.
+  uint32_t max_subscriptions_per_session = 1'024;
   uint32_t max_credit = 1'000'000;
   // Replies that a client has not read; past that its requests wait in the transport.
   size_t max_queued_replies = 64;

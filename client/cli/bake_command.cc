@@ -29,18 +29,27 @@ std::string NameOf(const ArtifactSpec& spec, bool has_several_lights,
   return name;
 }
 
-double VisiblePercent(const VisibilityMap& map) {
+// Of the texels on the receiver.
+size_t InsideCount(const SoftShadowTexture& texture) {
+  return texture.coverage ? texture.coverage->CountInside() : texture.visibility.counts.size();
+}
+
+double VisiblePercent(const SoftShadowTexture& texture) {
+  const VisibilityMap& map = texture.visibility;
   double sum = 0.0;
-  for (const uint16_t count : map.counts) sum += count;
-  const double most = static_cast<double>(map.counts.size()) * map.sample_count;
+  for (size_t k = 0; k < map.counts.size(); ++k) {
+    if (!texture.coverage || texture.coverage->At(k)) sum += map.counts[k];
+  }
+  const double most = static_cast<double>(InsideCount(texture)) * map.sample_count;
   return most > 0.0 ? 100.0 * sum / most : 100.0;
 }
 
 std::string Describe(const BakeRecord& record) {
-  const VisibilityMap& map = std::get<SoftShadowTexture>(record.artifact.payload).visibility;
+  const auto& texture = std::get<SoftShadowTexture>(record.artifact.payload);
+  const VisibilityMap& map = texture.visibility;
   return absl::StrFormat("%s: %dx%d texels, %d light samples, %.1f %% visible, %.1f ms",
-                         record.name, map.width, map.height, map.sample_count, VisiblePercent(map),
-                         record.wall_ms);
+                         record.name, map.width, map.height, map.sample_count,
+                         VisiblePercent(texture), record.wall_ms);
 }
 
 Json ToJson(const BakeRecord& record, const BakeCommand& command,
@@ -48,9 +57,14 @@ Json ToJson(const BakeRecord& record, const BakeCommand& command,
   Json paths = Json::array();
   for (const std::string& file : files) paths.push_back((command.out / file).string());
   const ArtifactHeader& header = record.artifact.header;
+  const auto& texture = std::get<SoftShadowTexture>(record.artifact.payload);
   return {{"name", record.name},
           {"receiver", header.receiver_id},
           {"light", header.light_id},
+          {"width", texture.visibility.width},
+          {"height", texture.visibility.height},
+          {"inside_texels", InsideCount(texture)},
+          {"visible_percent", VisiblePercent(texture)},
           {"files", std::move(paths)},
           {"wall_ms", record.wall_ms}};
 }
@@ -87,7 +101,8 @@ absl::StatusOr<Json> BakeAll(const BakeCommand& command, const ShadowPlan& plan,
 
 absl::Status Run(const BakeCommand& command, const Console& console, std::stop_token stop) {
   ShadowRequest request = command.request;
-  const bool names_none = request.receivers.empty() && request.receiver_instances.empty();
+  const bool names_none =
+      request.receivers.empty() && request.receiver_instances.empty() && !request.every_polygon;
   request.floor = request.floor || names_none;
   const auto imported = ImportScene(request.scene);
   if (!imported.ok()) return imported.status();
@@ -107,6 +122,12 @@ absl::Status Run(const BakeCommand& command, const Console& console, std::stop_t
   const auto baked = BakeAll(command, *plan, **engine, scene->id(), console, stop);
   if (!baked.ok()) return baked.status();
 
+  const Json summary = {
+      {"scene", request.scene.string()}, {"revision", *revision}, {"baked", *baked}};
+  if (request.every_polygon) {
+    const absl::Status status = WriteText(command.out / "summary.json", summary.dump(2) + "\n");
+    if (!status.ok()) return status;
+  }
   for (const std::string& note : plan->notes) console.Note(note);
   if (command.json) {
     console.out << Json{{"revision", *revision}, {"baked", *baked}}.dump(2) << '\n';

@@ -13,10 +13,11 @@ namespace {
 
 // The channels of the EXR file, each with its own memory.
 struct BakePlanes {
-  std::vector<float> red, green, blue, count;
+  std::vector<float> red, green, blue, count, inside;
 };
 
-BakePlanes PlanesOf(const RadianceTexture& radiance, const VisibilityMap& map) {
+BakePlanes PlanesOf(const RadianceTexture& radiance, const SoftShadowTexture& texture) {
+  const VisibilityMap& map = texture.visibility;
   BakePlanes planes;
   for (const Vec3 texel : radiance.texels) {
     planes.red.push_back(texel.x);
@@ -24,6 +25,10 @@ BakePlanes PlanesOf(const RadianceTexture& radiance, const VisibilityMap& map) {
     planes.blue.push_back(texel.z);
   }
   planes.count.assign(map.counts.begin(), map.counts.end());
+  planes.inside.assign(map.counts.size(), 1.0f);
+  for (size_t k = 0; texture.coverage && k < planes.inside.size(); ++k) {
+    if (!texture.coverage->At(k)) planes.inside[k] = 0.0f;
+  }
   return planes;
 }
 
@@ -58,13 +63,16 @@ absl::StatusOr<std::vector<std::string>> WriteBake(const BakeRecord& record,
   const float exposure = record.exposure.value_or(brightest > 0.0f ? 1.0f / brightest : 1.0f);
   const int width = static_cast<int>(texture.visibility.width);
   const int height = static_cast<int>(texture.visibility.height);
-  const BakePlanes planes = PlanesOf(radiance, texture.visibility);
+  const BakePlanes planes = PlanesOf(radiance, texture);
 
   std::vector<std::string> files;
   for (const char* extension : {".exr", ".png", ".json"}) files.push_back(record.name + extension);
   const auto path = [&](size_t i) { return folder / files[i]; };
-  const NamedPlane channels[] = {
-      {"R", planes.red}, {"G", planes.green}, {"B", planes.blue}, {"count", planes.count}};
+  const NamedPlane channels[] = {{"R", planes.red},
+                                 {"G", planes.green},
+                                 {"B", planes.blue},
+                                 {"count", planes.count},
+                                 {"inside", planes.inside}};
   absl::Status status = WriteExr(path(0), width, height, channels);
   if (status.ok()) status = WritePng(path(1), width, height, ToSrgb(radiance, exposure));
   if (status.ok()) status = WriteText(path(2), BakeJson(record, texture, exposure));

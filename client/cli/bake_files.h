@@ -1,8 +1,9 @@
 // The three files that a bake writes for one light and one receiver.
 //
-//   NAME.exr   channels R, G, B (reflected radiance) and count (visible light samples), row 0 at v
-//   = 0 NAME.png   the radiance times an exposure, clipped at 1, as sRGB NAME.json  all that is
-//   needed to compute the counts again by other means
+//   NAME.exr   row 0 at v = 0; channels R, G, B (reflected radiance), count (visible light samples)
+//              and inside (1: the texel lies on the receiver, 0: it repeats one nearby, or is 0)
+//   NAME.png   the radiance times an exposure, clipped at 1, as sRGB
+//   NAME.json  all that is needed to compute the counts again by other means
 #pragma once
 
 #include <filesystem>

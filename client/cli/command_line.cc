@@ -41,6 +41,8 @@ class Grammar {
   void AddPushAndWatch();
   void AddListings();
   void AddDemo();
+  void AddReceivers();
+  void AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_metre);
 
   // An option of one text, read by `read`; the second may be given several times.
   using Read = std::function<absl::Status(const std::string&)>;
@@ -66,6 +68,7 @@ class Grammar {
   TechniquesCommand techniques_;
   InfoCommand info_;
   DemoCommand demo_;
+  ReceiversCommand receivers_;
   Command chosen_;
 };
 
@@ -141,10 +144,31 @@ void Grammar::AddRequest(CLI::App* app, ShadowRequest& request, const char* size
       ->type_name("ID");
   app->add_flag("--floor", request.floor,
                 "A patch under the scene, three times as wide and as deep, to receive shadows");
-  AddTo(app, size_name, "WIDTHxHEIGHT", "Texels of each receiver (default 256x256)", request.texels,
-        ReadTexels);
+  app->add_flag("--every-polygon", request.every_polygon,
+                "Every planar surface of the scene receives shadows on a grid by its size");
+  AddSurfaces(app, request.min_area_m2, request.texels_per_metre);
+  AddTo(app, size_name, "WIDTHxHEIGHT", "Texels of each other receiver (default 256x256)",
+        request.texels, ReadTexels);
   AddTo(app, "--reflectance", "\"r g b\"", "Of the receivers, 0 to 1 (default 1; in a view 0.8)",
         request.reflectance, ReadReflectance);
+}
+
+void Grammar::AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_metre) {
+  Add(app, "--min-area", "M2", "Leave out planar surfaces of less, in square metres",
+      [&min_area_m2](const std::string& text) { return SetArea(text, min_area_m2); });
+  Add(app, "--texels-per-metre", "D",
+      "Of the grids of planar surfaces, to the next power of two, 16 to 256 a side (default: the "
+      "largest surface's longer side gets 256)",
+      [&texels_per_metre](const std::string& text) { return SetDensity(text, texels_per_metre); });
+}
+
+void Grammar::AddReceivers() {
+  CLI::App* app = AddCommand(receivers_, "receivers", "List the planar surfaces of a scene");
+  AddScene(app, receivers_.scene);
+  AddSurfaces(app, receivers_.min_area_m2, receivers_.texels_per_metre);
+  app->add_option("--count", receivers_.count, "How many of the largest; 0: all (default 20)")
+      ->type_name("N");
+  app->add_flag("--json", receivers_.json, "Print JSON");
 }
 
 void Grammar::AddBake() {
@@ -252,6 +276,7 @@ Grammar::Grammar() {
   AddPushAndWatch();
   AddListings();
   AddDemo();
+  AddReceivers();
 }
 
 absl::StatusOr<Command> Grammar::Parse(const std::vector<std::string>& arguments) {

@@ -34,6 +34,10 @@ struct ShadowRequest {
   bool floor = false;
   GridSize texels;
   Vec3 reflectance{1.0f};  // of every receiver
+  // A receiver on each planar surface of the file instead, with a grid by its size.
+  bool every_polygon = false;
+  double min_area_m2 = 0.0;
+  float texels_per_metre = 0.0f;  // 0: the largest surface's longer edge gets 256 texels
   TechniqueParams params;
 };
 
@@ -88,6 +92,14 @@ struct InfoCommand {
   bool json = false;
 };
 
+struct ReceiversCommand {
+  std::filesystem::path scene;
+  double min_area_m2 = 0.0;
+  uint32_t count = 20;            // of the largest; 0: all
+  float texels_per_metre = 0.0f;  // as in ShadowRequest
+  bool json = false;
+};
+
 struct DemoCommand {
   EngineChoice engine;
   std::filesystem::path scene;
@@ -103,6 +115,6 @@ struct PrintText {
 };
 
 using Command = std::variant<PrintText, BakeCommand, ViewCommand, PushCommand, WatchCommand,
-                             TechniquesCommand, InfoCommand, DemoCommand>;
+                             TechniquesCommand, InfoCommand, DemoCommand, ReceiversCommand>;
 
 }  // namespace penumbra

@@ -9,6 +9,7 @@
 #include "client/cli/option_error.h"
 #include "render/scene/field_error.h"
 #include "render/scene/scene_limits.h"
+#include "render/scene/texture_size.h"
 
 namespace penumbra {
 namespace {
@@ -133,6 +134,26 @@ absl::Status SetAmbient(std::string_view text, std::optional<Vec3>& ambient) {
   const auto color = ReadColor("--ambient", text, std::numeric_limits<float>::max());
   if (color.ok()) ambient = *color;
   return color.status();
+}
+
+absl::Status SetArea(std::string_view text, double& area_m2) {
+  const auto numbers = ParseNumbers("--min-area", text);
+  if (!numbers.ok()) return numbers.status();
+  if (numbers->size() != 1 || !((*numbers)[0] >= 0.0f && (*numbers)[0] <= 1e18f)) {
+    return RangeError("--min-area", text, "one number, 0 to 1e18");
+  }
+  area_m2 = (*numbers)[0];
+  return absl::OkStatus();
+}
+
+absl::Status SetDensity(std::string_view text, float& texels_per_metre) {
+  const auto numbers = ParseNumbers("--texels-per-metre", text);
+  if (!numbers.ok()) return numbers.status();
+  if (numbers->size() != 1 || !((*numbers)[0] > 0.0f && (*numbers)[0] <= kMaxTexelsPerMetre)) {
+    return RangeError("--texels-per-metre", text, "one number above 0, at most 1e6");
+  }
+  texels_per_metre = (*numbers)[0];
+  return absl::OkStatus();
 }
 
 absl::Status SetExposure(std::string_view text, std::optional<float>& exposure) {

@@ -16,6 +16,9 @@ namespace penumbra {
 // The parameters, at their defaults, of the technique called `text`.
 absl::StatusOr<TechniqueParams> ReadTechnique(std::string_view option, std::string_view text);
 absl::Status SetSamples(TechniqueParams& params, std::string_view text);
+// --min-area in m², 0 or more; --texels-per-metre, above 0 and at most 1e6.
+absl::Status SetArea(std::string_view text, double& area_m2);
+absl::Status SetDensity(std::string_view text, float& texels_per_metre);
 absl::Status SetSeed(TechniqueParams& params, std::string_view text);
 absl::Status SetTimeBudget(std::string_view text, float& time_budget_ms);
 absl::Status SetMethod(TechniqueParams& params, std::string_view text);

@@ -1,5 +1,6 @@
 #include "client/cli/replace_scene.h"
 
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -21,6 +22,20 @@ void Replace(const Scene::Table<T>& present, const std::vector<T>& wanted, std::
   }
 }
 
+// Those named and, where asked for, one on each planar surface: the removals must know them.
+std::vector<Receiver> WantedReceivers(const SceneDelta& wanted) {
+  std::vector<Receiver> receivers = wanted.upsert_receivers;
+  if (!wanted.receive_on_planar_surfaces) return receivers;
+  InstanceTable instances;
+  for (const Instance& instance : wanted.upsert_instances) {
+    instances[instance.id] = std::make_shared<const Instance>(instance);
+  }
+  const auto found =
+      ReceiversOnSurfaces(instances, *wanted.receive_on_planar_surfaces, "", SceneLimits{});
+  if (found.ok()) receivers.insert(receivers.end(), found->begin(), found->end());
+  return receivers;
+}
+
 }  // namespace
 
 SceneDelta ReplacementDelta(const Scene& scene, const SceneDelta& wanted) {
@@ -28,7 +43,7 @@ SceneDelta ReplacementDelta(const Scene& scene, const SceneDelta& wanted) {
   Replace(scene.instances(), wanted.upsert_instances, delta.upsert_instances,
           delta.remove_instances);
   Replace(scene.lights(), wanted.upsert_lights, delta.upsert_lights, delta.remove_lights);
-  Replace(scene.receivers(), wanted.upsert_receivers, delta.upsert_receivers,
+  Replace(scene.receivers(), WantedReceivers(wanted), delta.upsert_receivers,
           delta.remove_receivers);
   return delta;
 }

@@ -21,5 +21,6 @@ absl::Status Run(const WatchCommand& command, const Console& console, std::stop_
 absl::Status Run(const TechniquesCommand& command, const Console& console, std::stop_token stop);
 absl::Status Run(const InfoCommand& command, const Console& console, std::stop_token stop);
 absl::Status Run(const DemoCommand& command, const Console& console, std::stop_token stop);
+absl::Status Run(const ReceiversCommand& command, const Console& console, std::stop_token stop);
 
 }  // namespace penumbra

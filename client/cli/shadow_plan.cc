@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/option_error.h"
+#include "client/cli/surface_plan.h"
 #include "render/scene/unoccluded_light.h"
 
 namespace penumbra {
@@ -67,6 +68,23 @@ absl::Status PlanLights(const ImportedScene& imported, const ShadowRequest& requ
   return absl::OkStatus();
 }
 
+// The server makes the receivers; which, is known here as well.
+absl::Status PlanSurfaces(const ImportedScene& imported, const ShadowRequest& request,
+                          ShadowPlan& plan) {
+  const InstanceTable instances = TableOf(imported);
+  PlanarSurfaceRequest every =
+      SurfaceRequestFor(instances, request.min_area_m2, request.texels_per_metre);
+  const auto receivers = ReceiversOnSurfaces(instances, every, "--every-polygon", SceneLimits{});
+  if (!receivers.ok()) return receivers.status();
+  if (receivers->empty()) {
+    return absl::NotFoundError(absl::StrCat("--every-polygon: found no planar surface of ",
+                                            request.min_area_m2, " m2 or more, need one"));
+  }
+  for (const Receiver& receiver : *receivers) plan.receiver_ids.push_back(receiver.id);
+  plan.delta.receive_on_planar_surfaces = std::move(every);
+  return absl::OkStatus();
+}
+
 absl::Status PlanReceivers(const ImportedScene& imported, const ShadowRequest& request,
                            ShadowPlan& plan) {
   std::vector<Receiver>& used = plan.delta.upsert_receivers;
@@ -87,7 +105,7 @@ absl::Status PlanReceivers(const ImportedScene& imported, const ShadowRequest& r
     add(id, PlanarInstance{id}, true);
   }
   for (const Receiver& receiver : used) plan.receiver_ids.push_back(receiver.id);
-  return absl::OkStatus();
+  return request.every_polygon ? PlanSurfaces(imported, request, plan) : absl::OkStatus();
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+// Options of numbers, before the parser sees them.
+
 #include <algorithm>
 #include <string>
 #include <vector>

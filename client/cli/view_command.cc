@@ -22,7 +22,9 @@ using Json = nlohmann::ordered_json;
 
 // Adds the scene's own flat surfaces where the request names none, or a floor where there are none.
 ShadowRequest WithReceivers(ShadowRequest request, const ImportedScene& imported, size_t count) {
-  if (!request.receivers.empty() || !request.receiver_instances.empty()) return request;
+  if (request.every_polygon || !request.receivers.empty() || !request.receiver_instances.empty()) {
+    return request;
+  }
   request.receiver_instances = LargestPlanarInstances(imported, count);
   if (request.receiver_instances.empty()) request.floor = true;
   return request;

@@ -37,6 +37,12 @@ absl::Status CountPool::Update(gl::Context& context, const DrawList& list) {
     const absl::Status status = buffer_.Write(context, first * sizeof(uint16_t),
                                               std::as_bytes(std::span(texture.visibility.counts)));
     if (!status.ok()) return status;
+    if (texture.coverage != nullptr) {
+      const absl::Status masked =
+          buffer_.Write(context, list.receivers[i].first_mask_word * sizeof(uint32_t),
+                        std::as_bytes(texture.coverage->bytes()));
+      if (!masked.ok()) return masked;
+    }
     ++upload_count_;
   }
   return absl::OkStatus();

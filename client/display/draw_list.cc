@@ -6,6 +6,7 @@
 #include <string>
 #include <variant>
 
+#include "client/display/polygon_mesh.h"
 #include "client/display/surface_glsl.h"
 #include "client/display/unit_shapes.h"
 #include "render/math/basis.h"
@@ -121,8 +122,10 @@ class Builder {
     for (const auto& [id, instance] : scene_.instances()) AddInstance(*instance);
     float step_back = 1.0f;
     for (const auto& [id, receiver] : scene_.receivers()) {
-      if (const auto* patch = std::get_if<Parallelogram>(&receiver->shape)) {
-        if (AddPatch(*receiver, *patch, 1.0f - step_back * kDepthStep)) step_back += 0.25f;
+      const float depth_scale = 1.0f - step_back * kDepthStep;
+      if (std::visit([&](const auto& shape) { return AddShape(*receiver, shape, depth_scale); },
+                     receiver->shape)) {
+        step_back += 0.25f;
       }
     }
     if (draws_lights) {
@@ -142,7 +145,8 @@ class Builder {
   struct Place {
     uint32_t light;
     std::string receiver_id;
-    std::string instance_id;  // empty for a parallelogram
+    std::string instance_id;  // empty where the receiver is not all of an instance
+    std::string part_of;      // the instance that it is a part of
     Aabb bounds;
   };
 
@@ -153,12 +157,14 @@ class Builder {
     if (texels == 0 || map.counts.size() != texels) return;
     list_.receivers.push_back(ToGpu(texture, static_cast<uint32_t>(list_.texel_count)));
     list_.artifacts.push_back(artifact);
-    list_.texel_count += (texels + 1) / 2 * 2;
+    list_.texel_count += PlacesOf(texture);
     const auto* planar = std::get_if<PlanarInstance>(&receiver.shape);
+    const auto* part = std::get_if<PlanarSurface>(&receiver.shape);
     places_.push_back(
         {.light = light,
          .receiver_id = receiver.id,
          .instance_id = planar != nullptr ? planar->instance_id : std::string(),
+         .part_of = part != nullptr ? part->instance_id : std::string(),
          .bounds = BoundsOf(texture.receiver.patch, list_.receivers.back().origin.w)});
   }
 
@@ -174,7 +180,8 @@ class Builder {
         found.push_back({.light = place.light, .receiver = i | kIsTheReceiver});
       } else if (Overlap(item.bounds, place.bounds) &&
                  ReachesPlane(item.bounds, list_.receivers[i])) {
-        found.push_back({.light = place.light, .receiver = i});
+        const bool is_part = !instance_id.empty() && place.part_of == instance_id;
+        found.push_back({.light = place.light, .receiver = is_part ? i | kIsPartOfIt : i});
       }
     }
     std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
@@ -198,7 +205,27 @@ class Builder {
     list_.items.push_back(std::move(item));
   }
 
-  bool AddPatch(const Receiver& receiver, const Parallelogram& patch, float depth_scale) {
+  // A receiver that stands by itself is drawn; what lies on an instance is that instance.
+  bool AddShape(const Receiver&, const PlanarInstance&, float) { return false; }
+  bool AddShape(const Receiver&, const PlanarSurface&, float) { return false; }
+  bool AddShape(const Receiver& receiver, const Triangle& triangle, float depth_scale) {
+    const Vec3 a = triangle.corner;
+    const Vec3 corners[] = {a, a + triangle.edge_u, a + triangle.edge_v};
+    return AddOutline(receiver, corners, depth_scale);
+  }
+  bool AddShape(const Receiver& receiver, const PlanarPolygon& polygon, float depth_scale) {
+    return AddOutline(receiver, polygon.vertices, depth_scale);
+  }
+  bool AddOutline(const Receiver& receiver, std::span<const Vec3> outline, float depth_scale) {
+    DrawItem item = {
+        .mesh = MeshOfPolygon(outline), .depth_scale = depth_scale, .color = receiver.reflectance};
+    if (item.mesh == nullptr) return false;
+    item.bounds = item.mesh->bounds();
+    AddCandidates(item, {}, receiver.id);
+    list_.items.push_back(std::move(item));
+    return true;
+  }
+  bool AddShape(const Receiver& receiver, const Parallelogram& patch, float depth_scale) {
     for (const auto& [id, instance] : scene_.instances()) {
       if (Coincides(*instance, WorldBounds(*instance), patch)) return false;
     }

@@ -20,7 +20,7 @@ namespace penumbra {
 // An artifact that may lie on a surface, as the shader reads it.
 struct Candidate {
   uint32_t light = 0;     // index into DrawList::lights
-  uint32_t receiver = 0;  // index into DrawList::receivers, with kIsTheReceiver
+  uint32_t receiver = 0;  // index into DrawList::receivers, with kIsTheReceiver or kIsPartOfIt
 };
 
 struct DrawItem {
@@ -43,7 +43,7 @@ struct DrawList {
   std::vector<GpuReceiver> receivers;
   std::vector<std::shared_ptr<const Artifact>> artifacts;  // one a receiver, whose counts it wants
   std::vector<Candidate> candidates;
-  size_t texel_count = 0;  // of all artifacts, each one's rounded up to an even number
+  size_t texel_count = 0;  // places of all artifacts' counts and masks (PlacesOf)
 };
 
 DrawList BuildDrawList(const Scene& scene,

@@ -87,31 +87,44 @@ float Opacity() {
   return texelFetch(mask, min(texel, size - 1), 0).r;
 }
 
-// Whether this point lies on the receiver; only then `share` becomes what it gets of the light.
-bool LookUp(uint code, vec3 position, vec3 face_normal, vec3 n, inout float share) {
-  Receiver receiver = receivers[code & ~$4u];
-  if ((code & $4u) == 0u) {
-    vec2 at = UvOnReceiver(receiver, position_inside);
-    float height = dot(receiver.normal.xyz, position_inside - receiver.origin.xyz);
-    const float rim = 1e-4;  // of the receiver's edge, for rounding
-    bool is_on = abs(height) <= receiver.origin.w && abs(dot(face_normal, receiver.normal.xyz)) > 0.999 &&
-                 all(greaterThanEqual(at, vec2(-rim))) && all(lessThanEqual(at, vec2(1.0 + rim)));
-    if (!is_on) return false;
-  }
+// How well the receiver fits this point: 4 when the surface is the receiver, 3 where a texel of it lies here, 2 or
+// 1 next to one, 0 where the point is not on it.
+int Fit(uint code, vec3 face_normal) {
+  Receiver receiver = receivers[code & ~$6u];
+  if ((code & $4u) != 0u) return 4;
+  vec2 at = UvOnReceiver(receiver, position_inside);
+  float height = dot(receiver.normal.xyz, position_inside - receiver.origin.xyz);
+  const float rim = 1e-4;  // of the receiver's edge, for rounding
+  bool is_on = abs(height) <= receiver.origin.w && abs(dot(face_normal, receiver.normal.xyz)) > 0.999 &&
+               all(greaterThanEqual(at, vec2(-rim))) && all(lessThanEqual(at, vec2(1.0 + rim)));
+  if (!is_on) return 0;
+  int coverage = Coverage(receiver, at);
+  return coverage == 1 && (code & $5u) == 0u ? 0 : coverage;
+}
+
+// What a point on the receiver gets of the light.
+float ShareOn(uint code, vec3 position, vec3 n) {
+  Receiver receiver = receivers[code & ~$6u];
   bool from_behind = dot(n, receiver.normal.xyz) < 0.0;
-  share = from_behind && receiver.normal.w == 0.0 ? 0.0 : SmoothVisibility(receiver, UvOnReceiver(receiver, position));
-  return true;
+  if (from_behind && receiver.normal.w == 0.0) return 0.0;
+  return SmoothVisibility(receiver, UvOnReceiver(receiver, position));
 }
 
 vec3 Shade(vec3 position, vec3 face_normal, vec3 n) {
   vec3 sum = ambient;
   uint next = first_candidate;
   for (int i = 0; i < light_count; ++i) {
-    float share = 1.0;
-    bool is_found = false;
+    int best = 0;
+    uint chosen = 0u;
     for (; next < end_candidate && candidates[next].x == uint(i); ++next) {
-      if (!is_found) is_found = LookUp(candidates[next].y, position, face_normal, n, share);
+      if (best >= 3) continue;
+      int fit = Fit(candidates[next].y, face_normal);
+      if (fit > best) {
+        best = fit;
+        chosen = candidates[next].y;
+      }
     }
+    float share = best > 0 ? ShareOn(chosen, position, n) : 1.0;
     if (share > 0.0) sum += share * UnoccludedRadiance(lights[i], position, n);
   }
   return color * sum;
@@ -149,11 +162,11 @@ std::string FaceGlsl() { return absl::Substitute(kFaceGlsl, kFaceNormalsBinding)
 }  // namespace
 
 gl::ProgramSource SurfaceProgram() {
-  return {
-      .vertex = kVertexGlsl,
-      .fragment = absl::StrCat(FormFactorGlsl(), VisibilityGlsl(kCountsBinding), FaceGlsl(),
-                               absl::Substitute(kSurfaceGlsl, kLightsBinding, kReceiversBinding,
-                                                kCandidatesBinding, kMaskUnit, kIsTheReceiver))};
+  return {.vertex = kVertexGlsl,
+          .fragment = absl::StrCat(FormFactorGlsl(), VisibilityGlsl(kCountsBinding), FaceGlsl(),
+                                   absl::Substitute(kSurfaceGlsl, kLightsBinding, kReceiversBinding,
+                                                    kCandidatesBinding, kMaskUnit, kIsTheReceiver,
+                                                    kIsPartOfIt, kIsTheReceiver | kIsPartOfIt))};
 }
 
 gl::ProgramSource GlowProgram() {

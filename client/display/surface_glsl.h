@@ -16,6 +16,9 @@ inline constexpr int kMaskUnit = 0;
 
 // Set in a candidate's receiver index when the surface is the receiver, whatever its place says.
 inline constexpr uint32_t kIsTheReceiver = 0x80000000u;
+// Set when the receiver is one of the surface's own faces: then a point on it that no texel's centre
+// comes near, in the tip of a sharp corner, is the receiver's all the same.
+inline constexpr uint32_t kIsPartOfIt = 0x40000000u;
 
 gl::ProgramSource SurfaceProgram();
 gl::ProgramSource GlowProgram();

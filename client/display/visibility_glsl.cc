@@ -18,6 +18,7 @@ struct Receiver {
   vec4 dual_v;
   vec4 normal;
   uvec4 texels;  // first, width, height, sample count
+  uvec4 mask;    // first word, 1 if there is one
 };
 
 vec2 UvOnReceiver(Receiver receiver, vec3 point) {
@@ -45,7 +46,31 @@ float SmoothVisibility(Receiver receiver, vec2 uv) {
   float above = mix(FractionAt(receiver, low + ivec2(0, 1)), FractionAt(receiver, low + ivec2(1, 1)), share.x);
   return mix(below, above, share.y);
 }
+
+bool IsInside(Receiver receiver, ivec2 texel) {
+  uvec2 inside = uvec2(clamp(texel, ivec2(0), ivec2(receiver.texels.yz) - 1));
+  uint bit = inside.y * receiver.texels.y + inside.x;
+  return ((counts[receiver.mask.x + (bit >> 5)] >> (bit & 31u)) & 1u) != 0u;
+}
+
+int Coverage(Receiver receiver, vec2 uv) {
+  if (receiver.mask.y == 0u) return 3;
+  vec2 place = clamp(uv, -1.0, 2.0) * vec2(receiver.texels.yz);
+  ivec2 here = ivec2(floor(place));
+  if (IsInside(receiver, here)) return 3;
+  ivec2 low = ivec2(floor(place - 0.5));
+  if (IsInside(receiver, low) || IsInside(receiver, low + ivec2(1, 0)) || IsInside(receiver, low + ivec2(0, 1)) ||
+      IsInside(receiver, low + ivec2(1, 1))) return 2;
+  for (int reach = 1; reach <= 12; reach += 1 + reach / 2) {
+    for (int side = 0; side < 9; ++side) {
+      if (IsInside(receiver, here + reach * (ivec2(side % 3, side / 3) - 1))) return 1;
+    }
+  }
+  return 0;
+}
 )glsl";
+
+uint32_t EvenCount(size_t count) { return static_cast<uint32_t>((count + 1) / 2 * 2); }
 
 }  // namespace
 
@@ -63,7 +88,16 @@ GpuReceiver ToGpu(const SoftShadowTexture& texture, uint32_t first_texel) {
           .first_texel = first_texel,
           .width = map.width,
           .height = map.height,
-          .sample_count = map.sample_count};
+          .sample_count = map.sample_count,
+          .first_mask_word = (first_texel + EvenCount(map.counts.size())) / 2,
+          .has_mask = texture.coverage != nullptr ? 1u : 0u};
+}
+
+size_t PlacesOf(const SoftShadowTexture& texture) {
+  constexpr size_t kBytesPerWord = 4;  // two places
+  const size_t mask_bytes = texture.coverage ? texture.coverage->bytes().size() : 0;
+  return EvenCount(texture.visibility.counts.size()) +
+         2 * ((mask_bytes + kBytesPerWord - 1) / kBytesPerWord);
 }
 
 std::string VisibilityGlsl(int counts_binding) {

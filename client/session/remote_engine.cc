@@ -104,6 +104,13 @@ absl::Status RemoteEngine::ReportView(const std::string& scene_id, const std::st
   return (*session)->ReportView(view);
 }
 
+absl::StatusOr<std::vector<EachSubscription>> RemoteEngine::SubscribeEach(
+    const std::string& scene_id, const EachRequest& request, EachCallback callback) {
+  const auto session = connection_->SessionOf(scene_id);
+  if (!session.ok()) return session.status();
+  return (*session)->SubscribeEach(request, std::move(callback));
+}
+
 absl::StatusOr<std::string> RemoteEngine::ServerInfoJson() {
   v1::GetServerInfoResponse response;
   const absl::Status status = connection_->Call(&v1::PenumbraService::Stub::GetServerInfo,

@@ -36,6 +36,18 @@ struct RemoteEngineOptions {
   std::function<void(uint64_t sent_bytes, uint64_t total_bytes)> upload_progress = nullptr;
 };
 
+// Which shadows are asked for at once: of each light on each receiver.
+struct EachRequest {
+  TechniqueParams params;
+  std::vector<std::string> light_ids;     // empty: all that the scene has now
+  std::vector<std::string> receiver_ids;  // likewise
+};
+
+struct EachSubscription {
+  ArtifactSpec spec;
+  std::unique_ptr<Subscription> subscription;
+};
+
 class RemoteEngine : public Engine {
  public:
   // Errors  kUnavailable: no server at that address, or none that answers in time
@@ -65,6 +77,17 @@ class RemoteEngine : public Engine {
   // The server knows one viewer for each engine and scene: the last view reported counts.
   absl::Status ReportView(const std::string& scene_id, const std::string& viewer,
                           const std::optional<View>& view) override;
+
+  // One subscription for each of some lights on each of some receivers, by one request: all of them
+  // or none, receiver by receiver. Callbacks of different ones may run at the same time.
+  //
+  // Errors  kNotFound UNKNOWN_ID: a light or receiver that the scene lacks; kInvalidArgument;
+  //         kResourceExhausted QUOTA_SUBSCRIPTIONS, QUOTA_ARTIFACTS: more than the server keeps
+  using EachCallback =
+      std::function<void(const ArtifactSpec&, const ArtifactUpdate&, const UpdateTraffic&)>;
+  absl::StatusOr<std::vector<EachSubscription>> SubscribeEach(const std::string& scene_id,
+                                                              const EachRequest& request,
+                                                              EachCallback callback);
 
   // What the server says of itself and of its techniques: GetServerInfoResponse and
   // ListTechniquesResponse in protobuf's JSON, with the fields named as in the protocol.

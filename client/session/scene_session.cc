@@ -22,6 +22,9 @@ constexpr uint32_t kProtocolVersion = 1;
 // callback soon makes the server skip.
 constexpr uint32_t kInitialCredit = 4;
 
+// Ids set aside for the subscriptions of one request, whose number the server finds.
+constexpr uint64_t kIdsForEach = uint64_t{1} << 20;
+
 // Ends the subscription with its handle, whether or not the engine is still there.
 class RemoteSubscription : public Subscription {
  public:
@@ -203,6 +206,36 @@ absl::Status SceneSession::ReportView(const std::optional<View>& view) {
   if (Send(request)) return absl::OkStatus();
   std::lock_guard lock(mutex_);
   return has_ended_ ? end_reason_ : absl::UnavailableError(absl::StrCat(address_, ": is gone"));
+}
+
+absl::StatusOr<std::vector<EachSubscription>> SceneSession::SubscribeEach(
+    const EachRequest& request, RemoteEngine::EachCallback callback) {
+  v1::SessionRequest message;
+  v1::SubscribeEach& each = *message.mutable_subscribe_each();
+  *each.mutable_technique() = ToProto(ArtifactSpec{request.params, "", ""});
+  each.mutable_light_ids()->Assign(request.light_ids.begin(), request.light_ids.end());
+  each.mutable_receiver_ids()->Assign(request.receiver_ids.begin(), request.receiver_ids.end());
+  each.set_initial_credit(kInitialCredit);
+  const auto answer = std::make_shared<Answer>();
+  answer->params = request.params;
+  answer->each = std::move(callback);
+  answer->asked_ms = NowMs();
+  {
+    std::lock_guard lock(mutex_);
+    each.set_first_subscription_id(next_id_);
+    next_id_ += kIdsForEach;
+    subscribes_[each.first_subscription_id()] = answer;
+  }
+  Send(message);
+  const absl::Status status = Await(subscribes_, each.first_subscription_id(), answer);
+  // From here on leaving ends those that were made.
+  std::vector<EachSubscription> subscriptions;
+  for (auto& [spec, subscriber] : answer->made) {
+    subscriptions.push_back(
+        {spec, std::make_unique<RemoteSubscription>(shared_from_this(), subscriber)});
+  }
+  if (!status.ok()) return status;
+  return subscriptions;
 }
 
 void SceneSession::Unsubscribe(RemoteSubscriber& subscriber) {

@@ -11,6 +11,8 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/session/mirrored_scene.h"
@@ -36,6 +38,8 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
                                                           RemoteEngine::MeasuredCallback callback);
   // Does not wait for an answer: there is none to a view that CheckView finds nothing wrong with.
   absl::Status ReportView(const std::optional<View>& view);
+  absl::StatusOr<std::vector<EachSubscription>> SubscribeEach(const EachRequest& request,
+                                                              RemoteEngine::EachCallback callback);
   // The end of a subscription, from its owner.
   void Unsubscribe(RemoteSubscriber& subscriber);
 
@@ -52,6 +56,11 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
     absl::Status status;
     Revision revision = 0;
     SceneDelta delta;
+    // Of a SubscribeEach: what the subscriptions are made from, and those made.
+    TechniqueParams params;
+    RemoteEngine::EachCallback each;
+    double asked_ms = 0.0;
+    std::vector<std::pair<ArtifactSpec, std::shared_ptr<RemoteSubscriber>>> made;
   };
   using Answers = std::map<uint64_t, std::shared_ptr<Answer>>;
 
@@ -68,9 +77,12 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   double HeardMs(Revision revision) const;
   void Receive(v1::CommitResult& result);
   void Receive(const v1::SubscribeResult& result);
+  void Receive(const v1::SubscribeEachResult& result);
   void Receive(const v1::SubscriptionEnded& ended);
   void Receive(const v1::ArtifactUpdate& update);
   void Receive(const v1::SessionError& error);
+  void MakeSubscribers(const v1::SubscribeEachResult& result, Answer& answer);
+  void DropEach(const v1::SubscribeEachResult& result);
   void EndAll(const grpc::Status& status);
   void PostDelivery(std::shared_ptr<RemoteSubscriber> subscriber);
   std::shared_ptr<RemoteSubscriber> FindSubscriber(uint64_t id);

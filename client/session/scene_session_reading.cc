@@ -37,6 +37,9 @@ bool SceneSession::ReadOne() {
     case v1::SessionResponse::kSubscribeResult:
       Receive(response_.subscribe_result());
       break;
+    case v1::SessionResponse::kSubscribeEachResult:
+      Receive(response_.subscribe_each_result());
+      break;
     case v1::SessionResponse::kSubscriptionEnded:
       Receive(response_.subscription_ended());
       break;
@@ -87,6 +90,52 @@ void SceneSession::Receive(const v1::SubscribeResult& result) {
   found->second->is_here = true;
   if (!found->second->status.ok()) subscribers_.erase(result.subscription_id());
   subscribes_.erase(found);
+}
+
+void SceneSession::Receive(const v1::SubscribeEachResult& result) {
+  std::unique_lock lock(mutex_);
+  const auto found = subscribes_.find(result.first_subscription_id());
+  if (found == subscribes_.end()) {
+    lock.unlock();
+    DropEach(result);
+    return;
+  }
+  found->second->status = FromProto(result.error());
+  if (found->second->status.ok()) MakeSubscribers(result, *found->second);
+  found->second->is_here = true;
+  subscribes_.erase(found);
+}
+
+// Before the next message is read, which may be an update of one of them.
+void SceneSession::MakeSubscribers(const v1::SubscribeEachResult& result, Answer& answer) {
+  uint64_t id = result.first_subscription_id();
+  for (const std::string& receiver_id : result.receiver_ids()) {
+    for (const std::string& light_id : result.light_ids()) {
+      ArtifactSpec spec{answer.params, light_id, receiver_id};
+      auto callback = [each = answer.each, spec](const ArtifactUpdate& update,
+                                                 const UpdateTraffic& traffic) {
+        each(spec, update, traffic);
+      };
+      auto subscriber = std::make_shared<RemoteSubscriber>(
+          id, std::move(callback), connection_.blobs().scene_limits(), answer.asked_ms);
+      subscribers_[id++] = subscriber;
+      answer.made.emplace_back(std::move(spec), std::move(subscriber));
+    }
+  }
+}
+
+// Nobody waits for these any more. Not on the reader's turn, which must not wait to write.
+void SceneSession::DropEach(const v1::SubscribeEachResult& result) {
+  const uint64_t first = result.first_subscription_id();
+  const auto count = static_cast<uint64_t>(result.light_ids_size()) *
+                     static_cast<uint64_t>(result.receiver_ids_size());
+  turns_.Post([this, first, count] {
+    v1::SessionRequest request;
+    for (uint64_t id = first; id < first + count; ++id) {
+      request.mutable_unsubscribe()->set_subscription_id(id);
+      Send(request);
+    }
+  });
 }
 
 void SceneSession::Receive(const v1::SubscriptionEnded& ended) {

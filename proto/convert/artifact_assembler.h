@@ -25,8 +25,8 @@ class ArtifactAssembler {
 
   // The update, once `message` completes it.
   //
-  // Errors  those of FromProto and TileDecoder; kDataLoss INCOMPLETE: a tile is missing. The
-  //         subscription cannot go on after one.
+  // Errors  those of FromProto, TileDecoder and DecodePart; kDataLoss INCOMPLETE: a tile or a part
+  //         of the mask is missing. The subscription cannot go on after one.
   absl::StatusOr<std::optional<ArtifactUpdate>> Add(const v1::ArtifactUpdate& message);
 
   // What to acknowledge after a complete update.
@@ -34,7 +34,9 @@ class ArtifactAssembler {
 
  private:
   absl::Status Begin(const v1::ArtifactUpdate& message);
+  void BeginCoverage(bool starts_from_nothing);
   absl::Status AddTiles(const v1::ArtifactUpdate& message);
+  absl::Status AddCoverage(const v1::ArtifactUpdate& message);
   absl::StatusOr<ArtifactUpdate> Finish(const v1::ArtifactUpdate& message);
 
   SceneLimits limits_;
@@ -44,6 +46,9 @@ class ArtifactAssembler {
   bool in_update_ = false;          // between an update's first and last message
   std::shared_ptr<Artifact> next_;  // in the making; null: no artifact in this update
   std::vector<bool> has_tile_;      // of an artifact that starts from nothing, otherwise empty
+  std::vector<bool> has_part_;      // likewise of a mask
+  // In the making; null: as it was before, or no mask.
+  std::shared_ptr<CoverageMask> next_coverage_;
   std::shared_ptr<const Artifact> artifact_;  // the newest complete one
 };
 

@@ -46,6 +46,7 @@ void Write(const SoftShadowTexture& texture, v1::ArtifactHeader& proto) {
   *kind.mutable_light() = penumbra::ToProto(texture.light);
   kind.set_sample_count(texture.visibility.sample_count);
   kind.set_has_radiance(texture.radiance.has_value());
+  kind.set_has_coverage(texture.coverage != nullptr);
 }
 
 absl::Status CheckGrid(const v1::ReceiverPatch& receiver, const SceneLimits& limits) {
@@ -80,6 +81,7 @@ absl::StatusOr<SoftShadowTexture> Read(const v1::SoftShadowTexture& proto,
                         .height = height,
                         .sample_count = proto.sample_count(),
                         .counts = std::vector<uint16_t>(size_t{width} * height)};
+  if (proto.has_coverage()) texture.coverage = std::make_shared<CoverageMask>(width, height);
   if (proto.has_radiance()) {
     texture.radiance = RadianceTexture{
         .width = width, .height = height, .texels = std::vector<Vec3>(size_t{width} * height)};

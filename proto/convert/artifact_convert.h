@@ -15,7 +15,8 @@ namespace penumbra {
 // Without light samples, which travel apart from the header since they seldom change.
 v1::ArtifactHeader ToProto(const Artifact& artifact);
 
-// The artifact with all counts 0, radiance black, and no light samples.
+// The artifact with all counts 0, radiance black, no texel inside where there is a mask, and no
+// light samples.
 //
 // Errors  kInvalidArgument MISSING_FIELD: no kind that this program knows; LENGTH; RANGE: the grid
 //         is empty or larger than `limits` allow, found before anything is allocated

@@ -1,4 +1,4 @@
-// Instances and receivers.
+// Instances.
 
 #include <string>
 
@@ -79,45 +79,6 @@ absl::StatusOr<Instance> FromProto(const v1::Instance& proto, const BlobSource& 
     instance.alpha_mask = *std::move(mask);
   }
   return instance;
-}
-
-v1::Receiver ToProto(const Receiver& receiver) {
-  v1::Receiver proto;
-  proto.set_id(receiver.id);
-  if (const auto* patch = std::get_if<Parallelogram>(&receiver.shape)) {
-    *proto.mutable_parallelogram() = ToProto(*patch);
-  } else {
-    proto.mutable_planar_instance()->set_instance_id(
-        std::get<PlanarInstance>(receiver.shape).instance_id);
-  }
-  proto.set_width(receiver.width);
-  proto.set_height(receiver.height);
-  proto.set_two_sided(receiver.two_sided);
-  *proto.mutable_reflectance() = ToProto(receiver.reflectance);
-  return proto;
-}
-
-absl::StatusOr<Receiver> FromProto(const v1::Receiver& proto, std::string_view field_path) {
-  Receiver receiver;
-  receiver.id = proto.id();
-  switch (proto.shape_case()) {
-    case v1::Receiver::kParallelogram:
-      receiver.shape = FromProto(proto.parallelogram());
-      break;
-    case v1::Receiver::kPlanarInstance:
-      receiver.shape = PlanarInstance{proto.planar_instance().instance_id()};
-      break;
-    case v1::Receiver::SHAPE_NOT_SET:
-      return FieldError(absl::StatusCode::kInvalidArgument, "MISSING_FIELD",
-                        std::string(field_path) + ".shape",
-                        "found none that this server knows, need a parallelogram or a planar "
-                        "instance");
-  }
-  if (proto.has_width()) receiver.width = proto.width();
-  if (proto.has_height()) receiver.height = proto.height();
-  if (proto.has_two_sided()) receiver.two_sided = proto.two_sided();
-  if (proto.has_reflectance()) receiver.reflectance = FromProto(proto.reflectance());
-  return receiver;
 }
 
 }  // namespace penumbra

@@ -21,6 +21,8 @@ SceneLimits SceneLimitsFromProto(const v1::Limits& proto) {
   take(proto.max_mask_side(), limits.max_mask_side);
   take(proto.max_coordinate(), limits.max_coordinate);
   take(proto.max_id_bytes(), limits.max_id_bytes);
+  take(proto.max_polygon_vertices(), limits.max_polygon_vertices);
+  take(proto.max_surface_triangles(), limits.max_surface_triangles);
   return limits;
 }
 
@@ -37,6 +39,8 @@ void WriteSceneLimits(const SceneLimits& limits, v1::Limits& proto) {
   proto.set_max_mask_side(limits.max_mask_side);
   proto.set_max_coordinate(limits.max_coordinate);
   proto.set_max_id_bytes(limits.max_id_bytes);
+  proto.set_max_polygon_vertices(limits.max_polygon_vertices);
+  proto.set_max_surface_triangles(limits.max_surface_triangles);
 }
 
 }  // namespace penumbra

@@ -52,6 +52,9 @@ v1::SceneDelta ToProto(const SceneDelta& delta) {
     *proto.add_upsert_receivers() = ToProto(receiver);
   }
   for (const auto& id : delta.remove_receivers) proto.add_remove_receivers(id);
+  if (delta.receive_on_planar_surfaces) {
+    *proto.mutable_receive_on_planar_surfaces() = ToProto(*delta.receive_on_planar_surfaces);
+  }
   return proto;
 }
 
@@ -98,6 +101,9 @@ absl::StatusOr<SceneDelta> FromProto(const v1::SceneDelta& proto, const BlobSour
   delta.remove_instances.assign(proto.remove_instances().begin(), proto.remove_instances().end());
   delta.remove_lights.assign(proto.remove_lights().begin(), proto.remove_lights().end());
   delta.remove_receivers.assign(proto.remove_receivers().begin(), proto.remove_receivers().end());
+  if (proto.has_receive_on_planar_surfaces()) {
+    delta.receive_on_planar_surfaces = FromProto(proto.receive_on_planar_surfaces());
+  }
   return delta;
 }
 

@@ -28,12 +28,14 @@ class BlobSource {
 
 v1::Instance ToProto(const Instance& instance);
 v1::Receiver ToProto(const Receiver& receiver);
+v1::ReceiveOnPlanarSurfaces ToProto(const PlanarSurfaceRequest& request);
 v1::SceneDelta ToProto(const SceneDelta& delta);
 v1::SceneInfo ToProto(const SceneInfo& info);
 SceneInfo InfoOf(const Scene& scene);
 
 // The same as ToProto(delta), in pieces of at most `max_bytes` each (one object at least), to be
-// applied in a row: removals come before upserts. base_revision is left out.
+// applied in a row: removals come before upserts. base_revision is left out, and so is
+// receive_on_planar_surfaces, which no difference between two scenes has.
 std::vector<v1::SceneDelta> ToProtoPieces(const SceneDelta& delta, size_t max_bytes);
 
 // Errors  all name the field as Scene::Apply does, "upsert_instances[3].mesh_hash":
@@ -42,6 +44,7 @@ std::vector<v1::SceneDelta> ToProtoPieces(const SceneDelta& delta, size_t max_by
 absl::StatusOr<Instance> FromProto(const v1::Instance& instance, const BlobSource& blobs,
                                    std::string_view field_path);
 absl::StatusOr<Receiver> FromProto(const v1::Receiver& receiver, std::string_view field_path);
+PlanarSurfaceRequest FromProto(const v1::ReceiveOnPlanarSurfaces& request);
 absl::StatusOr<SceneDelta> FromProto(const v1::SceneDelta& delta, const BlobSource& blobs);
 // Errors  kInvalidArgument LENGTH
 absl::StatusOr<SceneInfo> FromProto(const v1::SceneInfo& info);

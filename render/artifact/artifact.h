@@ -45,4 +45,8 @@ struct Artifact {
 // parallel projection onto the receiver, clamped to the grid. `normal` is not used by textures.
 float Visibility(const Artifact& artifact, Vec3 point, Vec3 normal);
 
+// Whether the centre of that texel lies on the receiver; elsewhere Visibility is that of a texel
+// nearby, or 0.
+bool Covers(const Artifact& artifact, Vec3 point);
+
 }  // namespace penumbra

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <vector>
 
 #include "render/math/vec.h"
 #include "render/scene/area_light.h"
+#include "render/scene/coverage_mask.h"
 #include "render/scene/receiver.h"
 
 namespace penumbra {
@@ -33,11 +35,15 @@ struct RadianceTexture {
 };
 
 struct SoftShadowTexture {
-  ReceiverPatch receiver;
+  ReceiverPatch receiver;  // without its region
   AreaLight light;
   VisibilityMap visibility;
   // Only where the spec asked for it. The same as ReflectedRadiance(), but for the method gl.
   std::optional<RadianceTexture> radiance;
+  // The texels whose centre lies on the receiver; null: all of them. Near them, the texels outside
+  // hold what the nearest one inside holds, so that no filter mixes in anything foreign; further
+  // off, 0.
+  std::shared_ptr<const CoverageMask> coverage;
 };
 
 // Reflected radiance at each texel centre: reflectance · unoccluded radiance · visible fraction. A

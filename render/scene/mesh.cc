@@ -126,4 +126,11 @@ const TriangleClusters& Mesh::triangle_clusters() const {
   return *triangle_clusters_;
 }
 
+const PlanarSurfaces& Mesh::planar_surfaces() const {
+  std::call_once(surfaces_once_, [this] {
+    planar_surfaces_ = std::make_unique<const PlanarSurfaces>(positions(), indices());
+  });
+  return *planar_surfaces_;
+}
+
 }  // namespace penumbra

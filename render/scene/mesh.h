@@ -16,6 +16,7 @@
 #include "render/math/vec.h"
 #include "render/scene/content_hash.h"
 #include "render/scene/mesh_closure.h"
+#include "render/scene/planar_surfaces.h"
 #include "render/scene/scene_limits.h"
 #include "render/scene/silhouette_edges.h"
 #include "render/scene/triangle_clusters.h"
@@ -57,6 +58,7 @@ class Mesh {
   MeshClosure closure() const;
   const SilhouetteEdges& silhouette_edges() const;
   const TriangleClusters& triangle_clusters() const;
+  const PlanarSurfaces& planar_surfaces() const;
 
  private:
   Mesh() = default;
@@ -71,6 +73,8 @@ class Mesh {
   mutable std::unique_ptr<const SilhouetteEdges> silhouette_edges_;
   mutable std::once_flag clusters_once_;
   mutable std::unique_ptr<const TriangleClusters> triangle_clusters_;
+  mutable std::once_flag surfaces_once_;
+  mutable std::unique_ptr<const PlanarSurfaces> planar_surfaces_;
 };
 
 }  // namespace penumbra

@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "render/scene/field_error.h"
+#include "render/scene/receiver_place.h"
 
 namespace penumbra {
 namespace {
@@ -31,7 +32,8 @@ bool operator==(const Instance& a, const Instance& b) {
 
 bool SceneDelta::empty() const {
   return upsert_instances.empty() && remove_instances.empty() && upsert_lights.empty() &&
-         remove_lights.empty() && upsert_receivers.empty() && remove_receivers.empty();
+         remove_lights.empty() && upsert_receivers.empty() && remove_receivers.empty() &&
+         !receive_on_planar_surfaces;
 }
 
 std::shared_ptr<const Scene> Scene::Empty(std::string id) {
@@ -65,25 +67,9 @@ std::shared_ptr<const Receiver> Scene::FindReceiver(std::string_view receiver_id
 absl::StatusOr<ReceiverPatch> Scene::ResolveReceiver(std::string_view receiver_id) const {
   const auto receiver = FindReceiver(receiver_id);
   if (!receiver) return UnknownReceiver(receiver_id);
-  ReceiverPatch resolved{.patch = {},
-                         .width = receiver->width,
-                         .height = receiver->height,
-                         .two_sided = receiver->two_sided,
-                         .reflectance = receiver->reflectance};
-  if (const auto* patch = std::get_if<Parallelogram>(&receiver->shape)) {
-    resolved.patch = *patch;
-    return resolved;
-  }
-  const auto instance = FindInstance(std::get<PlanarInstance>(receiver->shape).instance_id);
-  if (!instance) {
-    return FieldError(absl::StatusCode::kFailedPrecondition, "MISSING_INSTANCE", "instance_id",
-                      absl::StrCat("found ", std::get<PlanarInstance>(receiver->shape).instance_id,
-                                   ", need an instance of the scene"));
-  }
-  auto patch = BoundingParallelogram(*instance);
-  if (!patch.ok()) return patch.status();
-  resolved.patch = *patch;
-  return resolved;
+  const std::string* instance_id = InstanceOf(*receiver);
+  const auto instance = instance_id == nullptr ? nullptr : FindInstance(*instance_id);
+  return PlaceReceiver(*receiver, instance.get());
 }
 
 Aabb WorldBounds(const Instance& instance) {

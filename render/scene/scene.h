@@ -21,6 +21,7 @@
 #include "render/scene/instance.h"
 #include "render/scene/receiver.h"
 #include "render/scene/scene_limits.h"
+#include "render/scene/surface_receivers.h"
 
 namespace penumbra {
 
@@ -38,6 +39,8 @@ struct SceneDelta {
   std::vector<std::string> remove_lights;
   std::vector<Receiver> upsert_receivers;
   std::vector<std::string> remove_receivers;
+  // Upserts a receiver for each planar surface of the scene that the rest of the delta makes.
+  std::optional<PlanarSurfaceRequest> receive_on_planar_surfaces;
 
   bool empty() const;
 };
@@ -55,7 +58,7 @@ class Scene {
   // Errors  all name the field as "upsert_lights[2].edge_v":
   //         kInvalidArgument   NON_FINITE, OUT_OF_BOUNDS, BAD_ID, DUPLICATE_ID, ZERO_AREA, RANGE, …
   //         kNotFound          UNKNOWN_ID: removal of what is not there
-  //         kFailedPrecondition  MISSING_INSTANCE, NOT_PLANAR: a receiver's instance
+  //         kFailedPrecondition  MISSING_INSTANCE, NOT_PLANAR: a receiver's instance, or triangle
   //         kAborted           STALE_BASE: base_revision is behind; the message has the current one
   //         kOutOfRange        FUTURE_BASE: base_revision is ahead
   //         kResourceExhausted QUOTA_…: a limit, with its value
@@ -92,6 +95,7 @@ class Scene {
 
  private:
   Scene() = default;
+  absl::Status AddSurfaceReceivers(const SceneDelta& delta, const SceneLimits& limits);
 
   std::string id_;
   Revision revision_ = 0;

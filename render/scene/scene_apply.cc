@@ -10,104 +10,10 @@
 #include "render/scene/field_error.h"
 #include "render/scene/scene.h"
 #include "render/scene/scene_check.h"
+#include "render/scene/scene_hash.h"
 
 namespace penumbra {
 namespace {
-
-// The bytes by which an object counts in a scene's hash. −0 is written as 0.
-class Bytes {
- public:
-  void Put(const std::string& text) {
-    Put(static_cast<uint32_t>(text.size()));
-    Append(text.data(), text.size());
-  }
-  void Put(const ContentHash& hash) { Append(hash.bytes.data(), hash.bytes.size()); }
-  void Put(float x) {
-    x += 0.0f;
-    Append(&x, sizeof(x));
-  }
-  void Put(Vec3 v) {
-    for (int c = 0; c < 3; ++c) Put(v[c]);
-  }
-  void Put(uint32_t x) { Append(&x, sizeof(x)); }
-  void Put(bool x) { Put(uint32_t{x}); }
-
-  ContentHash Hash() const { return Sha256(std::as_bytes(std::span(bytes_))); }
-
- private:
-  void Append(const void* data, size_t size) {
-    bytes_.append(static_cast<const char*>(data), size);
-  }
-
-  std::string bytes_;
-};
-
-void PutShape(Bytes& out, const RectangleLight& s) {
-  for (const Vec3& v : {s.corner, s.edge_u, s.edge_v, s.radiance}) out.Put(v);
-  out.Put(s.two_sided);
-}
-void PutShape(Bytes& out, const DiskLight& s) {
-  for (const Vec3& v : {s.center, s.normal, s.radiance}) out.Put(v);
-  out.Put(s.radius);
-  out.Put(s.two_sided);
-}
-void PutShape(Bytes& out, const SphereLight& s) {
-  for (const Vec3& v : {s.center, s.radiance}) out.Put(v);
-  out.Put(s.radius);
-}
-void PutShape(Bytes& out, const PointLight& s) {
-  for (const Vec3& v : {s.position, s.intensity}) out.Put(v);
-}
-void PutShape(Bytes& out, const SpotLight& s) {
-  for (const Vec3& v : {s.position, s.direction, s.intensity}) out.Put(v);
-  out.Put(s.inner_angle);
-  out.Put(s.outer_angle);
-}
-void PutShape(Bytes& out, const DistantLight& s) {
-  for (const Vec3& v : {s.to_light, s.irradiance}) out.Put(v);
-  out.Put(s.angular_diameter);
-}
-void PutShape(Bytes& out, const Parallelogram& s) {
-  for (const Vec3& v : {s.origin, s.edge_u, s.edge_v}) out.Put(v);
-}
-void PutShape(Bytes& out, const PlanarInstance& s) { out.Put(s.instance_id); }
-
-ContentHash HashOf(const Instance& instance) {
-  Bytes out;
-  out.Put(uint32_t{'I'});
-  out.Put(instance.id);
-  out.Put(instance.mesh->id());
-  for (int column = 0; column < 4; ++column) out.Put(instance.world_from_mesh[column]);
-  out.Put(instance.casts);
-  out.Put(instance.receives);
-  out.Put(instance.color);
-  out.Put(instance.alpha_mask != nullptr);
-  if (instance.alpha_mask) out.Put(instance.alpha_mask->id());
-  out.Put(instance.alpha_cutoff);
-  return out.Hash();
-}
-
-ContentHash HashOf(const AreaLight& light) {
-  Bytes out;
-  out.Put(uint32_t{'L'});
-  out.Put(light.id);
-  out.Put(static_cast<uint32_t>(light.shape.index()));
-  std::visit([&out](const auto& shape) { PutShape(out, shape); }, light.shape);
-  return out.Hash();
-}
-
-ContentHash HashOf(const Receiver& receiver) {
-  Bytes out;
-  out.Put(uint32_t{'R'});
-  out.Put(receiver.id);
-  out.Put(static_cast<uint32_t>(receiver.shape.index()));
-  std::visit([&out](const auto& shape) { PutShape(out, shape); }, receiver.shape);
-  out.Put(receiver.width);
-  out.Put(receiver.height);
-  out.Put(receiver.two_sided);
-  out.Put(receiver.reflectance);
-  return out.Hash();
-}
 
 // One kind of object of a delta: what it adds, what it takes away, and how it is called.
 template <typename T>
@@ -206,12 +112,13 @@ class Touched {
   std::set<std::string_view> receivers_, instances_;
 };
 
-// Where in `delta` the receiver, or the instance that it lies on, was brought or taken away.
+// Where in `delta` the receiver, of which `field` is at fault, or the instance that it lies on was
+// brought or taken away.
 std::string PathOfCause(const SceneDelta& delta, const std::string& receiver_id,
-                        const std::string& instance_id) {
+                        const std::string& instance_id, const std::string& field) {
   for (size_t i = 0; i < delta.upsert_receivers.size(); ++i) {
     if (delta.upsert_receivers[i].id == receiver_id) {
-      return absl::StrCat("upsert_receivers[", i, "].instance_id");
+      return absl::StrCat("upsert_receivers[", i, "].", field);
     }
   }
   for (size_t i = 0; i < delta.remove_instances.size(); ++i) {
@@ -224,18 +131,33 @@ std::string PathOfCause(const SceneDelta& delta, const std::string& receiver_id,
   return "";
 }
 
-// Whether every receiver that `delta` touches still has a plane to lie in.
-absl::Status CheckPlanes(const Scene& scene, const SceneDelta& delta) {
+// What finding the surface that `receiver` names would cost a commit, if it is too much.
+absl::Status CheckSurfaceCost(const Receiver& receiver, const Scene& scene,
+                              const SceneLimits& limits) {
+  const auto* surface = std::get_if<PlanarSurface>(&receiver.shape);
+  if (surface == nullptr) return absl::OkStatus();
+  const auto instance = scene.FindInstance(surface->instance_id);
+  if (!instance || instance->mesh->triangle_count() <= limits.max_surface_triangles) {
+    return absl::OkStatus();
+  }
+  return FieldError(
+      absl::StatusCode::kResourceExhausted, "QUOTA_SURFACE_TRIANGLES", "instance_id",
+      absl::StrCat("found ", surface->instance_id, " of ", instance->mesh->triangle_count(),
+                   " triangles, need at most ", limits.max_surface_triangles));
+}
+
+// Whether each receiver that `delta` brings, or whose instance it touches, has a place in `next`.
+absl::Status CheckPlaces(const SceneDelta& delta, const Scene& next, const SceneLimits& limits) {
   const Touched touched(delta);
-  for (const auto& [id, receiver] : scene.receivers()) {
-    const auto* planar = std::get_if<PlanarInstance>(&receiver->shape);
-    if (!planar || !touched.Has(id, planar->instance_id)) continue;
-    if (const auto patch = scene.ResolveReceiver(id); !patch.ok()) {
-      const std::string path = PathOfCause(delta, id, planar->instance_id);
-      return FieldError(
-          patch.status().code(), ErrorReason(patch.status()), path,
-          absl::StrCat("receiver ", id, " would lose its plane: ", patch.status().message()));
-    }
+  for (const auto& [id, receiver] : next.receivers()) {
+    const std::string* instance_id = InstanceOf(*receiver);
+    if (instance_id == nullptr || !touched.Has(id, *instance_id)) continue;
+    absl::Status status = CheckSurfaceCost(*receiver, next, limits);
+    if (status.ok()) status = next.ResolveReceiver(id).status();
+    if (status.ok()) continue;
+    return FieldError(status.code(), ErrorReason(status),
+                      PathOfCause(delta, id, *instance_id, ErrorFieldPath(status)),
+                      absl::StrCat("receiver ", id, " would lose its plane: ", status.message()));
   }
   return absl::OkStatus();
 }
@@ -270,8 +192,27 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Apply(const SceneDelta& delt
   if (!receivers.ok()) return receivers.status();
   next->receivers_ = *std::move(receivers);
 
-  if (const auto status = CheckPlanes(*next, delta); !status.ok()) return status;
+  if (const auto status = next->AddSurfaceReceivers(delta, limits); !status.ok()) return status;
+  if (const auto status = CheckPlaces(delta, *next, limits); !status.ok()) return status;
   return next;
+}
+
+absl::Status Scene::AddSurfaceReceivers(const SceneDelta& delta, const SceneLimits& limits) {
+  if (!delta.receive_on_planar_surfaces) return absl::OkStatus();
+  const std::string path = "receive_on_planar_surfaces";
+  const auto found =
+      ReceiversOnSurfaces(*instances_, *delta.receive_on_planar_surfaces, path, limits);
+  if (!found.ok()) return found.status();
+  const std::vector<std::string> none;
+  const Change<Receiver> change{
+      *found, none, "receivers", "QUOTA_RECEIVERS", limits.max_receivers, CheckReceiver};
+  auto receivers = ApplyChange(receivers_, change, limits, content_hash_);
+  if (!receivers.ok()) {
+    return FieldError(receivers.status().code(), ErrorReason(receivers.status()), path,
+                      std::string(receivers.status().message()));
+  }
+  receivers_ = *std::move(receivers);
+  return absl::OkStatus();
 }
 
 }  // namespace penumbra

@@ -7,7 +7,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "render/scene/field_error.h"
+#include "render/scene/receiver_place.h"
 #include "render/scene/scene.h"
+#include "render/scene/texture_size.h"
 
 namespace penumbra {
 namespace {
@@ -86,6 +88,13 @@ class Checker {
            absl::StrCat("is parallel to edge_u, need two directions", remedy));
     }
   }
+  void Polygon(const PlanarPolygon& polygon) {
+    if (!status_.ok()) return;
+    status_ = WithFieldPrefix(CheckPolygon(polygon, limits_), path_ + ".");
+  }
+  void InstanceId(const std::string& id) {
+    if (status_.ok()) status_ = CheckId(id, absl::StrCat(path_, ".instance_id"));
+  }
   const SceneLimits& limits() const { return limits_; }
 
  private:
@@ -135,6 +144,41 @@ struct CheckShape {
   }
 };
 
+struct CheckReceiverShape {
+  Checker& check;
+
+  void operator()(const Parallelogram& patch) const {
+    check.Coordinate("origin", patch.origin);
+    check.Edges(patch.edge_u, patch.edge_v, "");
+  }
+  void operator()(const Triangle& triangle) const {
+    check.Coordinate("corner", triangle.corner);
+    check.Edges(triangle.edge_u, triangle.edge_v, "");
+  }
+  void operator()(const PlanarPolygon& polygon) const { check.Polygon(polygon); }
+  void operator()(const PlanarInstance& planar) const { check.InstanceId(planar.instance_id); }
+  void operator()(const PlanarSurface& surface) const { check.InstanceId(surface.instance_id); }
+};
+
+// Sides that are asked for, and those that the receiver's size may choose.
+void CheckGrid(const Receiver& receiver, Checker& check) {
+  const SceneLimits& limits = check.limits();
+  for (const auto& [name, side] :
+       {std::pair{"width", receiver.width}, std::pair{"height", receiver.height},
+        std::pair{"max_auto_side", receiver.max_auto_side}}) {
+    check.Range(name, side, 0, limits.max_receiver_side);
+  }
+  check.Range("texels_per_metre", receiver.texels_per_metre, 0, kMaxTexelsPerMetre);
+  const uint32_t most = receiver.max_auto_side > 0 ? receiver.max_auto_side : kMaxAutoSide;
+  const uint64_t width = receiver.width > 0 ? receiver.width : most;
+  const uint64_t height = receiver.height > 0 ? receiver.height : most;
+  if (width * height > limits.max_receiver_texels) {
+    check.Fail("TOO_LARGE", "width",
+               absl::StrCat("found ", width, " by ", height, " texels, need at most ",
+                            limits.max_receiver_texels, " in all"));
+  }
+}
+
 }  // namespace
 
 absl::Status CheckInstance(const Instance& instance, std::string_view path,
@@ -171,25 +215,8 @@ absl::Status CheckReceiver(const Receiver& receiver, std::string_view path,
                            const SceneLimits& limits) {
   Checker check(path, limits);
   check.Id(receiver.id);
-  if (const auto* patch = std::get_if<Parallelogram>(&receiver.shape)) {
-    check.Coordinate("origin", patch->origin);
-    check.Edges(patch->edge_u, patch->edge_v, "");
-  } else {
-    const std::string& id = std::get<PlanarInstance>(receiver.shape).instance_id;
-    if (check.status().ok()) {
-      const absl::Status bad_id = CheckId(id, absl::StrCat(std::string(path), ".instance_id"));
-      if (!bad_id.ok()) return bad_id;
-    }
-  }
-  for (const auto& [name, side] :
-       {std::pair{"width", receiver.width}, std::pair{"height", receiver.height}}) {
-    check.Range(name, side, 1, limits.max_receiver_side);
-  }
-  if (uint64_t{receiver.width} * receiver.height > limits.max_receiver_texels) {
-    check.Fail("TOO_LARGE", "width",
-               absl::StrCat("found ", receiver.width, " by ", receiver.height,
-                            " texels, need at most ", limits.max_receiver_texels, " in all"));
-  }
+  std::visit(CheckReceiverShape{check}, receiver.shape);
+  CheckGrid(receiver, check);
   check.Reflectance("reflectance", receiver.reflectance);
   return check.status();
 }

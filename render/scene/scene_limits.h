@@ -23,6 +23,11 @@ struct SceneLimits {
   // Larger coordinates overflow single precision when squared three times over.
   float max_coordinate = 1e9f;
   uint32_t max_id_bytes = 128;
+  // Checking that a polygon is simple compares its edges pairwise: 5 ms for so many.
+  uint32_t max_polygon_vertices = 1'024;
+  // Of all meshes together of which one commit wants the planar surfaces: it waits 0.6 s for each
+  // million.
+  uint64_t max_surface_triangles = 4'000'000;
 };
 
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 
 #include "penumbra/v1/artifact.pb.h"
 #include "proto/convert/artifact_convert.h"
+#include "proto/convert/coverage_codec.h"
 #include "render/math/parallel_for.h"
 #include "tbb/blocked_range.h"
 
@@ -52,6 +53,27 @@ void ArtifactEncoder::EncodeTiles(const SoftShadowTexture& texture, const Encode
                    });
 }
 
+void ArtifactEncoder::EncodeCoverage(const SoftShadowTexture& texture,
+                                     const EncodedArtifact* previous, EncodedArtifact& encoded) {
+  if (texture.coverage == nullptr) return;
+  const auto* before =
+      previous ? std::get<SoftShadowTexture>(previous->artifact->payload).coverage.get() : nullptr;
+  if (before && (before->width() != texture.coverage->width() ||
+                 before->height() != texture.coverage->height())) {
+    before = nullptr;
+  }
+  const size_t first = GridOf(texture).tile_count();
+  for (uint32_t index = 0; index < CoveragePartCount(*texture.coverage); ++index) {
+    if (before && CoveragePartsEqual(*before, *texture.coverage, index)) {
+      encoded.tiles.push_back(previous->tiles[first + index]);
+      continue;
+    }
+    v1::ArtifactUpdate field;
+    *field.add_coverage() = EncodePart(*texture.coverage, index);
+    encoded.tiles.push_back({encoded.sequence, Bytes(field)});
+  }
+}
+
 std::shared_ptr<const EncodedArtifact> ArtifactEncoder::Encode(
     const EncodedArtifact* previous, std::shared_ptr<const Artifact> artifact, uint64_t sequence) {
   auto encoded = std::make_shared<EncodedArtifact>();
@@ -68,8 +90,12 @@ std::shared_ptr<const EncodedArtifact> ArtifactEncoder::Encode(
     encoded->light_samples_changed_at = sequence;
     encoded->light_samples = Bytes(samples);
   }
-  std::visit([&](const auto& payload) { EncodeTiles(payload, previous, *encoded); },
-             artifact->payload);
+  std::visit(
+      [&](const auto& payload) {
+        EncodeTiles(payload, previous, *encoded);
+        EncodeCoverage(payload, previous, *encoded);
+      },
+      artifact->payload);
   encoded->artifact = std::move(artifact);
   return encoded;
 }

@@ -29,7 +29,8 @@ struct EncodedArtifact {
   grpc::Slice header;
   uint64_t light_samples_changed_at = 0;
   grpc::Slice light_samples;
-  std::vector<EncodedTile> tiles;  // row by row
+  // Row by row, and then the parts of the mask, which travel like tiles.
+  std::vector<EncodedTile> tiles;
 };
 
 // Any thread may use it, any number at a time; each keeps its compressor's memory.
@@ -43,6 +44,8 @@ class ArtifactEncoder {
  private:
   void EncodeTiles(const SoftShadowTexture& texture, const EncodedArtifact* previous,
                    EncodedArtifact& encoded);
+  static void EncodeCoverage(const SoftShadowTexture& texture, const EncodedArtifact* previous,
+                             EncodedArtifact& encoded);
 
   tbb::enumerable_thread_specific<TileEncoder> tile_encoders_;
 };

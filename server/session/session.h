@@ -16,6 +16,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "grpcpp/support/byte_buffer.h"
@@ -82,6 +83,12 @@ class Session : public SceneWatcher,
   void OnCommit(const v1::Commit& commit);
   void OnSubscribe(const v1::Subscribe& subscribe);
   absl::StatusOr<std::unique_ptr<SubscriptionFeed>> MakeFeed(const v1::Subscribe& subscribe);
+  absl::StatusOr<std::unique_ptr<SubscriptionFeed>> Follow(uint64_t id, const ArtifactSpec& spec,
+                                                           uint32_t credit);
+  void OnSubscribeEach(const v1::SubscribeEach& request);
+  absl::Status CheckRoom(uint64_t first_id, uint64_t count) const;
+  absl::StatusOr<std::vector<std::unique_ptr<SubscriptionFeed>>> MakeFeeds(
+      const v1::SubscribeEach& request, v1::SubscribeEachResult& result);
   absl::Status OnUnsubscribe(const v1::Unsubscribe& unsubscribe);
   absl::Status OnCredit(const v1::Credit& credit);
   absl::Status OnAcknowledgement(const v1::Acknowledgement& acknowledgement);

@@ -59,6 +59,9 @@ absl::Status Session::Dispatch(const v1::SessionRequest& request) {
     case v1::SessionRequest::kSubscribe:
       OnSubscribe(request.subscribe());
       return absl::OkStatus();
+    case v1::SessionRequest::kSubscribeEach:
+      OnSubscribeEach(request.subscribe_each());
+      return absl::OkStatus();
     case v1::SessionRequest::kUnsubscribe:
       return OnUnsubscribe(request.unsubscribe());
     case v1::SessionRequest::kCredit:
@@ -194,11 +197,16 @@ absl::StatusOr<std::unique_ptr<SubscriptionFeed>> Session::MakeFeed(
   }
   const auto spec = FromProto(subscribe.spec());
   if (!spec.ok()) return spec.status();
-  auto stream = services_.streams.Follow(scene_id_, incarnation_, *spec);
+  return Follow(id, *spec, subscribe.initial_credit());
+}
+
+absl::StatusOr<std::unique_ptr<SubscriptionFeed>> Session::Follow(uint64_t id,
+                                                                  const ArtifactSpec& spec,
+                                                                  uint32_t credit) {
+  auto stream = services_.streams.Follow(scene_id_, incarnation_, spec);
   if (!stream.ok()) return stream.status();
   (*stream)->AddListener(weak_from_this());
-  return std::make_unique<SubscriptionFeed>(id, *std::move(stream), subscribe.initial_credit(),
-                                            services_.limits);
+  return std::make_unique<SubscriptionFeed>(id, *std::move(stream), credit, services_.limits);
 }
 
 absl::Status Session::OnUnsubscribe(const v1::Unsubscribe& unsubscribe) {

@@ -12,6 +12,7 @@
 #include "render/scene/field_error.h"
 #include "render/technique/soft_texture/gl/gl_shadows.h"
 #include "render/technique/soft_texture/occlusion_counter.h"
+#include "render/technique/soft_texture/receiver_coverage.h"
 
 namespace penumbra {
 namespace {
@@ -26,15 +27,16 @@ constexpr double kComputingShare = 0.5;
 
 // Coordinates carry 24 bits. What lies in the receiver's plane is off it by a few units in the last
 // place of the largest coordinate; 32 of them are still a twentieth of a millimetre for a building
-// of 30 m.
-double SurfaceOffset(const Parallelogram& patch) {
+// of 30 m. A surface that is not quite flat leaves the plane by more, to either side.
+double SurfaceOffset(const ReceiverPatch& receiver) {
+  const Parallelogram& patch = receiver.patch;
   double largest = 0;
   for (const Vec2 uv : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)}) {
     const DVec3 corner = glm::abs(DVec3(patch.At(uv)));
     largest = std::max({largest, corner.x, corner.y, corner.z});
   }
   const double size = glm::length(DVec3(patch.edge_u)) + glm::length(DVec3(patch.edge_v));
-  return std::ldexp(std::max(largest, size), -19);
+  return std::max(std::ldexp(std::max(largest, size), -19), 2 * receiver.deviation_m);
 }
 
 // An edit whose samples, times the triangles and words of texels of each, are no more than this is
@@ -56,6 +58,12 @@ float ErrorEstimate(uint32_t n, bool has_size) {
   if (!has_size) return 0;
   const double crossed = std::min<double>(n, std::sqrt(2.0 * n));
   return static_cast<float>(std::sqrt(0.25 * crossed) / n);
+}
+
+// What the mask says already, and would be held for as long as the artifact.
+ReceiverPatch WithoutRegion(ReceiverPatch receiver) {
+  receiver.region = nullptr;
+  return receiver;
 }
 
 const SoftTextureParams& ParamsOf(const ArtifactSpec& spec) {
@@ -83,9 +91,10 @@ class Computation {
       : spec_(spec),
         context_(context),
         watch_(context.now_ms),
-        receiver_(receiver),
+        coverage_(receiver),
+        receiver_(WithoutRegion(receiver)),
         light_(std::move(light)),
-        surface_offset_(SurfaceOffset(receiver.patch)),
+        surface_offset_(SurfaceOffset(receiver)),
         scene_(scene),
         plan_(Plan()),
         samples_(Samples()),
@@ -202,12 +211,15 @@ class Computation {
       const std::vector<uint16_t> base = plan_.base->shadows.Counts(done);
       std::transform(hidden.begin(), hidden.end(), base.begin(), visible.begin(), beyond);
     }
+    coverage_.FillOutside(visible);
     return visible;
   }
 
   Artifact MakeArtifact(uint32_t done) {
     SoftShadowTexture texture{
         .receiver = receiver_, .light = *light_, .visibility = {}, .radiance = {}};
+    texture.receiver.deviation_m = 0;
+    texture.coverage = coverage_.mask();
     texture.visibility = {receiver_.width, receiver_.height, done, VisibleCounts(done)};
     if (on_gl_ && params().radiance) {
       texture.radiance = on_gl_->Radiance();
@@ -228,6 +240,7 @@ class Computation {
   const ArtifactSpec& spec_;
   const ComputeContext& context_;
   Stopwatch watch_;
+  ReceiverCoverage coverage_;
   ReceiverPatch receiver_;
   std::shared_ptr<const AreaLight> light_;
   double surface_offset_;

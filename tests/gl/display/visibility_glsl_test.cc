@@ -34,15 +34,36 @@ void main() {
   results[i] = vec4(uv, Visibility(receivers[0], uv), SmoothVisibility(receivers[0], uv));
 })";
 
+constexpr char kCoverageGlsl[] = R"(
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) readonly buffer Receivers { Receiver receivers[]; };
+layout(std430, binding = 2) readonly buffer Points { vec4 points[]; };
+layout(std430, binding = 3) buffer Results { vec4 results[]; };
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  vec2 uv = UvOnReceiver(receivers[0], points[i].xyz);
+  results[i] = vec4(uv, float(Coverage(receivers[0], uv)), Visibility(receivers[0], uv));
+})";
+
 class VisibilityGlslTest : public SoftwareContextTest {
  protected:
-  std::vector<Vec4> Run(const SoftShadowTexture& texture, const std::vector<Vec4>& points) {
+  std::vector<Vec4> Run(const SoftShadowTexture& texture, const std::vector<Vec4>& points,
+                        const char* compute = kComputeGlsl) {
     const GpuReceiver receiver = ToGpu(texture, kFirstTexel);
     std::vector<uint16_t> counts(kFirstTexel, 0xffff);
     counts.insert(counts.end(), texture.visibility.counts.begin(), texture.visibility.counts.end());
     if (counts.size() % 2 != 0) counts.push_back(0xffff);
+    if (texture.coverage) {
+      const auto bytes = texture.coverage->bytes();
+      for (size_t k = 0; k < bytes.size(); k += 2) {
+        const unsigned high = k + 1 < bytes.size() ? bytes[k + 1] : 0u;
+        counts.push_back(static_cast<uint16_t>(bytes[k] | high << 8));
+      }
+      if (counts.size() % 2 != 0) counts.push_back(0);
+      EXPECT_EQ(counts.size(), kFirstTexel + PlacesOf(texture));
+    }
     auto program =
-        gl::Program::Create(*context_, {.compute = absl::StrCat(VisibilityGlsl(0), kComputeGlsl)});
+        gl::Program::Create(*context_, {.compute = absl::StrCat(VisibilityGlsl(0), compute)});
     auto count_buffer = gl::Buffer::Create(*context_, std::as_bytes(std::span(counts)));
     auto receiver_buffer = gl::Buffer::Create(*context_, std::as_bytes(std::span(&receiver, 1)));
     auto point_buffer = gl::Buffer::Create(*context_, std::as_bytes(std::span(points)));
@@ -136,6 +157,39 @@ TEST_F(VisibilityGlslTest, TexelCentresGiveTheirCounts) {
   for (uint32_t k = 0; k < 91; ++k) {
     EXPECT_NEAR(results[k].w, texture.visibility.Fraction(k % 13, k / 13), 2e-5) << "texel " << k;
   }
+}
+
+TEST_F(VisibilityGlslTest, TheMaskIsTheOneOfTheCpp) {
+  const auto plain = SkewedArtifact();
+  ASSERT_NE(plain, nullptr);
+  Artifact artifact = *plain;
+  auto& texture = std::get<SoftShadowTexture>(artifact.payload);
+  auto mask = std::make_shared<CoverageMask>(13, 7);
+  for (size_t k = 0; k < 91; ++k) {
+    if (k % 3 == 1 || k % 7 == 2) mask->Set(k);
+  }
+  texture.coverage = mask;
+  std::mt19937 engine(2);
+  std::uniform_real_distribution<float> around(0, 1);
+  std::vector<Vec4> points;
+  for (int i = 0; i < kPoints; ++i) {
+    points.emplace_back(texture.receiver.patch.At({around(engine), around(engine)}), 1);
+  }
+  const std::vector<Vec4> results = Run(texture, points, kCoverageGlsl);
+  ASSERT_EQ(results.size(), points.size());
+  int inside = 0, outside = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const Vec2 texel = Vec2(results[i]) * Vec2(13, 7);
+    const Vec2 to_border = glm::abs(texel - glm::round(texel));
+    if (std::min(to_border.x, to_border.y) < 1e-4f) continue;
+    const bool covers = Covers(artifact, Vec3(points[i]));
+    ASSERT_EQ(results[i].z == 3.0f, covers) << "at uv " << results[i].x << " " << results[i].y;
+    ++(covers ? inside : outside);
+  }
+  EXPECT_GT(inside, 1000);
+  EXPECT_GT(outside, 1000);
+  texture.coverage = nullptr;
+  EXPECT_EQ(Run(texture, std::vector<Vec4>(64, Vec4(1, 2, -3, 1)), kCoverageGlsl)[0].z, 3.0f);
 }
 
 TEST_F(VisibilityGlslTest, NoSamplesIsAllVisible) {

@@ -81,6 +81,25 @@ TEST(CommandLineTest, BakeDefaults) {
   EXPECT_EQ(bake.request.reflectance, Vec3(1.0f));
 }
 
+TEST(CommandLineTest, PlanarSurfaces) {
+  const auto bake = Parsed<BakeCommand>({"bake", "a.obj", "--out", "d", "--every-polygon",
+                                         "--min-area", "0.5", "--texels-per-metre", "40"});
+  EXPECT_TRUE(bake.request.every_polygon);
+  EXPECT_EQ(bake.request.min_area_m2, 0.5);
+  EXPECT_EQ(bake.request.texels_per_metre, 40.0f);
+  const auto list = Parsed<ReceiversCommand>({"receivers", "a.obj", "--count", "3", "--json"});
+  EXPECT_EQ(list.scene, "a.obj");
+  EXPECT_EQ(list.count, 3u);
+  EXPECT_TRUE(list.json);
+  EXPECT_EQ(Parsed<ReceiversCommand>({"receivers", "a.obj"}).count, 20u);
+  for (const char* area : {"x", "nan", "1 2"}) {
+    EXPECT_EQ(ParseCommandLine({"receivers", "a.obj", "--min-area", area}).status().code(),
+              absl::StatusCode::kInvalidArgument)
+        << area;
+  }
+  EXPECT_FALSE(ParseCommandLine({"receivers", "a.obj", "--texels-per-metre", "0"}).ok());
+}
+
 TEST(CommandLineTest, NumbersNeedNoQuotes) {
   const auto bare = Parsed<BakeCommand>({"bake", "--receiver", "-1", "0", "1,2", "0", "0", "0", "0",
                                          "-2", "a.obj", "--size", "32", "16", "--out", "d"});

@@ -24,6 +24,15 @@ TEST(ReplacementDeltaTest, LeavesTheSameSceneAsStartingAnew) {
   EXPECT_EQ((*after)->content_hash(), (*Scene::Empty("t")->Apply(wanted))->content_hash());
 }
 
+TEST(ReplacementDeltaTest, ReceiversOnSurfacesAreNamedOneByOne) {
+  SceneDelta wanted = Content({"a"});
+  wanted.receive_on_planar_surfaces = PlanarSurfaceRequest{};
+  const auto empty = Scene::Empty("s");
+  const auto scene = *empty->Apply(ReplacementDelta(*empty, wanted));
+  EXPECT_EQ(scene->content_hash(), (*empty->Apply(wanted))->content_hash());
+  EXPECT_TRUE(ReplacementDelta(*scene, wanted).empty());
+}
+
 TEST(ReplacementDeltaTest, WhatIsThereIsNotSentAgain) {
   const auto scene = *Scene::Empty("s")->Apply(Content({"a", "b"}));
   EXPECT_TRUE(ReplacementDelta(*scene, Content({"a", "b"})).empty());

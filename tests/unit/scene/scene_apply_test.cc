@@ -175,8 +175,6 @@ const Refusal kRefusals[] = {
     {"InfiniteCentre",
      WithLight(PointLight{.position = Vec3(0, std::numeric_limits<float>::infinity(), 0)}),
      kInvalid, "NON_FINITE", "upsert_lights[0].position"},
-    {"NoTexels", WithReceiver([](Receiver& r) { r.width = 0; }), kInvalid, "RANGE",
-     "upsert_receivers[0].width"},
     {"TooManyTexels", WithReceiver([](Receiver& r) { r.width = r.height = 16384; }), kInvalid,
      "TOO_LARGE", "upsert_receivers[0].width"},
     {"AbsurdSide", WithReceiver([](Receiver& r) { r.height = 0x80000000u; }), kInvalid, "RANGE",
