@@ -27,7 +27,7 @@ bool CopyTexels(const Artifact& from, Artifact& to) {
   auto& after = TextureOf(to);
   if (before.visibility.width != after.visibility.width ||
       before.visibility.height != after.visibility.height ||
-      before.radiance.has_value() != after.radiance.has_value()) {
+      !HaveSameRadianceFormat(before, after)) {
     return false;
   }
   CopyTiles(before, after);

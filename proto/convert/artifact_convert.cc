@@ -47,6 +47,10 @@ void Write(const SoftShadowTexture& texture, v1::ArtifactHeader& proto) {
   kind.set_sample_count(texture.visibility.sample_count);
   kind.set_has_radiance(texture.radiance.has_value());
   kind.set_has_coverage(texture.coverage != nullptr);
+  kind.set_count_bits(texture.count_bits);
+  if (!texture.radiance) return;
+  kind.set_radiance_format(penumbra::ToProto(texture.radiance->format));
+  kind.set_radiance_scale(texture.radiance->scale);
 }
 
 absl::Status CheckGrid(const v1::ReceiverPatch& receiver, const SceneLimits& limits) {
@@ -62,14 +66,37 @@ absl::Status CheckGrid(const v1::ReceiverPatch& receiver, const SceneLimits& lim
                         " and at most " + std::to_string(limits.max_receiver_texels) + " texels");
 }
 
+absl::Status RangeError(const char* field, const std::string& found, const char* need) {
+  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field,
+                    "found " + found + ", need " + need);
+}
+
+absl::Status CheckFormats(const v1::SoftShadowTexture& proto) {
+  const uint32_t samples = proto.sample_count(), bits = proto.count_bits();
+  if (samples > UINT16_MAX) {
+    return RangeError("soft_shadow_texture.sample_count", std::to_string(samples), "at most 65535");
+  }
+  if ((bits != 0 && bits != 8 && bits != 16) || (bits == 8 && samples > UINT8_MAX)) {
+    return RangeError("soft_shadow_texture.count_bits", std::to_string(bits),
+                      "0, 16, or 8 for at most 255 samples");
+  }
+  if (!v1::RadianceFormat_IsValid(proto.radiance_format())) {
+    return RangeError("soft_shadow_texture.radiance_format",
+                      std::to_string(proto.radiance_format()), "one that this program knows");
+  }
+  const bool has_scale = proto.radiance_format() == v1::RADIANCE_FORMAT_UNORM16 ||
+                         proto.radiance_format() == v1::RADIANCE_FORMAT_UNORM8;
+  if (has_scale && !(proto.radiance_scale() > 0 && IsFinite(proto.radiance_scale()))) {
+    return RangeError("soft_shadow_texture.radiance_scale", std::to_string(proto.radiance_scale()),
+                      "a finite number above 0");
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<SoftShadowTexture> Read(const v1::SoftShadowTexture& proto,
                                        const SceneLimits& limits) {
   if (auto status = CheckGrid(proto.receiver(), limits); !status.ok()) return status;
-  if (proto.sample_count() > UINT16_MAX) {
-    return FieldError(absl::StatusCode::kInvalidArgument, "RANGE",
-                      "soft_shadow_texture.sample_count",
-                      "found " + std::to_string(proto.sample_count()) + ", need at most 65535");
-  }
+  if (auto status = CheckFormats(proto); !status.ok()) return status;
   auto light = FromProto(proto.light(), "soft_shadow_texture.light");
   if (!light.ok()) return light.status();
   SoftShadowTexture texture;
@@ -82,9 +109,14 @@ absl::StatusOr<SoftShadowTexture> Read(const v1::SoftShadowTexture& proto,
                         .sample_count = proto.sample_count(),
                         .counts = std::vector<uint16_t>(size_t{width} * height)};
   if (proto.has_coverage()) texture.coverage = std::make_shared<CoverageMask>(width, height);
+  texture.count_bits = proto.count_bits();
   if (proto.has_radiance()) {
     texture.radiance = RadianceTexture{
         .width = width, .height = height, .texels = std::vector<Vec3>(size_t{width} * height)};
+    if (proto.radiance_format() != v1::RADIANCE_FORMAT_UNSPECIFIED) {
+      texture.radiance->format = static_cast<RadianceFormat>(proto.radiance_format() - 1);
+    }
+    if (IsUnorm(texture.radiance->format)) texture.radiance->scale = proto.radiance_scale();
   }
   return texture;
 }
@@ -105,6 +137,11 @@ absl::StatusOr<ArtifactPayload> ReadPayload(const v1::ArtifactHeader& proto,
 }
 
 }  // namespace
+
+// The protocol counts from 1 what is listed in the same order here.
+v1::RadianceFormat ToProto(RadianceFormat format) {
+  return static_cast<v1::RadianceFormat>(static_cast<int>(format) + 1);
+}
 
 v1::ArtifactHeader ToProto(const Artifact& artifact) {
   const ArtifactHeader& header = artifact.header;

@@ -23,6 +23,8 @@ v1::ArtifactHeader ToProto(const Artifact& artifact);
 absl::StatusOr<Artifact> FromProto(const v1::ArtifactHeader& header,
                                    const SceneLimits& limits = {});
 
+v1::RadianceFormat ToProto(RadianceFormat format);
+
 std::string EncodeLightSamples(std::span<const LightSample> samples);
 // Errors  kInvalidArgument LENGTH
 absl::StatusOr<std::vector<LightSample>> DecodeLightSamples(const std::string& bytes);

@@ -4,6 +4,8 @@
 #include <utility>
 #include <variant>
 
+#include "proto/convert/artifact_convert.h"
+#include "proto/convert/geometry_convert.h"
 #include "render/scene/field_error.h"
 #include "render/scene/scene.h"
 
@@ -18,6 +20,37 @@ void Write(const SoftTextureParams& params, v1::ArtifactSpec& proto) {
   parameters.set_radiance(params.radiance);
   // The protocol counts from 1 what is listed in the same order here.
   parameters.set_method(static_cast<v1::VisibilityMethod>(static_cast<int>(params.method) + 1));
+  parameters.set_shading(static_cast<v1::Shading>(static_cast<int>(params.shading) + 1));
+  parameters.set_form_factor_error(params.form_factor_error);
+  if (params.ambient != Vec3(0.0f)) *parameters.mutable_ambient() = ToProto(params.ambient);
+  parameters.set_output(ToProto(params.output));
+  parameters.set_output_scale(params.output_scale);
+  parameters.set_count_bits(static_cast<v1::CountBits>(static_cast<int>(params.count_bits) + 1));
+}
+
+// The value that `number` stands for, which the protocol counts from 1; `value` is left as it is for
+// 0. Errors  RANGE: none of `count`
+template <typename Enum>
+absl::Status ReadEnum(int number, size_t count, const char* field, Enum& value) {
+  if (number < 0 || number > static_cast<int>(count)) {
+    return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field,
+                      "found " + std::to_string(number) + ", need one that this server knows");
+  }
+  if (number > 0) value = static_cast<Enum>(number - 1);
+  return absl::OkStatus();
+}
+
+absl::Status ReadShading(const v1::SoftTextureParameters& proto, SoftTextureParams& params) {
+  if (proto.has_form_factor_error()) params.form_factor_error = proto.form_factor_error();
+  if (proto.has_ambient()) params.ambient = FromProto(proto.ambient());
+  params.output_scale = proto.output_scale();
+  absl::Status status =
+      ReadEnum(proto.shading(), kShadingNames.size(), "spec.soft_texture.shading", params.shading);
+  status.Update(ReadEnum(proto.output(), kRadianceFormatNames.size(), "spec.soft_texture.output",
+                         params.output));
+  status.Update(ReadEnum(proto.count_bits(), kCountBitsNames.size(), "spec.soft_texture.count_bits",
+                         params.count_bits));
+  return status;
 }
 
 absl::StatusOr<TechniqueParams> Read(const v1::SoftTextureParameters& proto) {
@@ -33,6 +66,7 @@ absl::StatusOr<TechniqueParams> Read(const v1::SoftTextureParameters& proto) {
   if (proto.method() != v1::VISIBILITY_METHOD_UNSPECIFIED) {
     params.method = static_cast<VisibilityMethod>(proto.method() - 1);
   }
+  if (auto status = ReadShading(proto, params); !status.ok()) return status;
   return params;
 }
 
@@ -67,7 +101,9 @@ v1::ArtifactSpec ToProto(const ArtifactSpec& spec) {
 absl::StatusOr<ArtifactSpec> FromProto(const v1::ArtifactSpec& proto) {
   auto params = ReadTechnique(proto);
   if (!params.ok()) return params.status();
-  if (auto status = CheckId(proto.light_id(), "spec.light_id"); !status.ok()) return status;
+  if (proto.light_id() != kAllLights) {
+    if (auto status = CheckId(proto.light_id(), "spec.light_id"); !status.ok()) return status;
+  }
   if (auto status = CheckId(proto.receiver_id(), "spec.receiver_id"); !status.ok()) return status;
   ArtifactSpec spec{.params = *std::move(params),
                     .light_id = proto.light_id(),

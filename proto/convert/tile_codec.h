@@ -41,6 +41,9 @@ inline TileGrid GridOf(const SoftShadowTexture& texture) {
   return {texture.visibility.width, texture.visibility.height};
 }
 
+// Whether radiance, if any, is told in the same codes.
+bool HaveSameRadianceFormat(const SoftShadowTexture& a, const SoftShadowTexture& b);
+
 // Whether a tile means the same in two textures of one size with the same planes: the same texels,
 // or none visible in both, or all visible in both whatever the sample counts.
 bool TilesEqual(const SoftShadowTexture& a, const SoftShadowTexture& b, uint32_t column,
@@ -57,6 +60,7 @@ class TileEncoder {
   v1::Tile Encode(const SoftShadowTexture& texture, uint32_t column, uint32_t row);
 
  private:
+  void GatherRadiance(const RadianceTexture& radiance, const TileRect& rect);
   // Packs `plane_`, and leaves it as it is where that is shorter.
   v1::Codec Pack(std::string& packed);
 
@@ -75,6 +79,8 @@ class TileDecoder {
 
  private:
   absl::Status DecodeCounts(const v1::Tile& tile, const TileRect& rect, SoftShadowTexture& texture);
+  absl::Status DecodeRadiance(const v1::Tile& tile, const TileRect& rect,
+                              RadianceTexture& radiance);
   // Unpacks into `plane_`, which must come out `size` bytes long.
   absl::Status Unpack(v1::Codec codec, const std::string& packed, size_t size, const char* name);
 

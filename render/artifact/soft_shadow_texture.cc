@@ -1,27 +1,38 @@
 #include "render/artifact/soft_shadow_texture.h"
 
-#include "render/math/parallel_for.h"
+#include "render/artifact/unoccluded_texture.h"
 #include "render/scene/unoccluded_light.h"
 
 namespace penumbra {
 
-RadianceTexture ReflectedRadiance(const SoftShadowTexture& texture, const std::stop_token& stop) {
+void RoundTo(RadianceFormat format, float scale, RadianceTexture& radiance) {
+  radiance.format = format;
+  radiance.scale = IsUnorm(format) ? scale : 1.0f;
+  if (format == RadianceFormat::kFloat32) return;
+  const RadianceCodec codec(format, radiance.scale);
+  for (Vec3& texel : radiance.texels) {
+    for (int c = 0; c < 3; ++c) texel[c] = codec.Decode(codec.Encode(texel[c]));
+  }
+}
+
+RadianceTexture ReflectedRadiance(const SoftShadowTexture& texture, const ProductOptions& options,
+                                  const std::stop_token& stop) {
   const VisibilityMap& visibility = texture.visibility;
   const ReceiverPatch& receiver = texture.receiver;
   RadianceTexture radiance{visibility.width, visibility.height, {}};
   radiance.texels.resize(visibility.counts.size());
-  const Vec3 normal = receiver.patch.normal();
-  const auto shade_row = [&](uint32_t j) {
-    if (stop.stop_requested()) return;
-    for (uint32_t i = 0; i < visibility.width; ++i) {
-      const Vec3 point = receiver.TexelCenter(i, j);
-      Vec3 unoccluded = UnoccludedRadiance(texture.light, point, normal);
-      if (receiver.two_sided) unoccluded += UnoccludedRadiance(texture.light, point, -normal);
-      radiance.texels[size_t{j} * visibility.width + i] =
-          receiver.reflectance * unoccluded * visibility.Fraction(i, j);
+  const Vec3 strength = LightStrength(texture.light);
+  const UnoccludedTexture factors(texture.light, receiver, options.form_factor_error);
+  factors.ForEachBlock(stop, [&](const TexelBlock& block, std::span<const float> values) {
+    for (uint32_t j = 0; j < block.height; ++j) {
+      for (uint32_t i = 0; i < block.width; ++i) {
+        const float factor =
+            values[size_t{j} * block.width + i] * visibility.Fraction(block.x + i, block.y + j);
+        radiance.texels[size_t{block.y + j} * visibility.width + block.x + i] =
+            receiver.reflectance * (options.ambient + strength * factor);
+      }
     }
-  };
-  ParallelFor(visibility.height, shade_row);
+  });
   return radiance;
 }
 

@@ -20,6 +20,14 @@ bool SameLight(const Scene& before, const Scene& after, const std::string& id) {
   return a != nullptr && b != nullptr && (a == b || *a == *b);
 }
 
+// Whether the scenes have the same lights, none more and none less.
+bool SameLights(const Scene& before, const Scene& after) {
+  const auto& lights = after.lights();
+  return before.lights().size() == lights.size() &&
+         std::all_of(lights.begin(), lights.end(),
+                     [&](const auto& light) { return SameLight(before, after, light.first); });
+}
+
 // Whether the receiver, and the instance that it lies on, are the very same objects: then there is
 // no need to find its place twice.
 bool SharesReceiver(const Scene& before, const Scene& after, const std::string& id) {
@@ -36,7 +44,10 @@ SceneChange::SceneChange(const Scene& before, const Scene& after, const SceneDel
     : before_(before), after_(after), delta_(delta) {}
 
 bool SceneChange::Affects(const ArtifactSpec& spec, KnownShadowRegion& region) {
-  if (!SameLight(before_, after_, spec.light_id)) return true;
+  const bool takes_all = spec.light_id == kAllLights;
+  if (takes_all ? !SameLights(before_, after_) : !SameLight(before_, after_, spec.light_id)) {
+    return true;
+  }
   const bool is_same_receiver = SharesReceiver(before_, after_, spec.receiver_id);
   const std::vector<Aabb>& changed = ChangedCasterBounds();
   if (is_same_receiver && changed.empty()) return false;
@@ -46,9 +57,17 @@ bool SceneChange::Affects(const ArtifactSpec& spec, KnownShadowRegion& region) {
     const auto patch_before = before_.ResolveReceiver(spec.receiver_id);
     if (!patch_before.ok() || *patch_before != *patch_after) return true;
   }
-  const ShadowRegion& between = region.Between(after_.FindLight(spec.light_id), patch_after->patch);
-  return std::any_of(changed.begin(), changed.end(),
-                     [&between](const Aabb& box) { return between.MayMeet(box); });
+  const auto meets = [&changed](const ShadowRegion& between) {
+    return std::any_of(changed.begin(), changed.end(),
+                       [&between](const Aabb& box) { return between.MayMeet(box); });
+  };
+  if (takes_all) {
+    const auto& lights = after_.lights();
+    return std::any_of(lights.begin(), lights.end(), [&](const auto& light) {
+      return meets(ShadowRegion(*light.second, patch_after->patch));
+    });
+  }
+  return meets(region.Between(after_.FindLight(spec.light_id), patch_after->patch));
 }
 
 const std::vector<Aabb>& SceneChange::ChangedCasterBounds() {

@@ -51,17 +51,12 @@ double Factor(const PointLight& light, DVec3 point, DVec3 normal) {
   return PointFactor(light.position, point, normal);
 }
 
-// The cone's falloff is the square of a linear ramp in the cosine, as in KHR_lights_punctual.
 double Factor(const SpotLight& light, DVec3 point, DVec3 normal) {
   const DVec3 from_light = point - DVec3(light.position);
   const double distance = glm::length(from_light);
   if (distance == 0) return 0;
-  const double cos_angle = glm::dot(glm::normalize(DVec3(light.direction)), from_light) / distance;
-  const double cos_outer = std::cos(double{light.outer_angle});
-  const double cos_inner = std::cos(double{light.inner_angle});
-  const double ramp =
-      std::clamp((cos_angle - cos_outer) / std::max(1e-12, cos_inner - cos_outer), 0.0, 1.0);
-  return ramp * ramp * PointFactor(light.position, point, normal);
+  return SpotCone(light).Falloff(from_light / distance) *
+         PointFactor(light.position, point, normal);
 }
 
 // Irradiance over π of a disc in the sky that gives unit irradiance head-on: cap form factor over
@@ -83,12 +78,28 @@ Vec3 Emission(const DistantLight& light) { return light.irradiance; }
 
 }  // namespace
 
+SpotCone::SpotCone(const SpotLight& light)
+    : axis(glm::normalize(DVec3(light.direction))),
+      cos_outer(std::cos(double{light.outer_angle})),
+      cos_inner(std::cos(double{light.inner_angle})) {}
+
+double SpotCone::Falloff(DVec3 direction) const {
+  const double above = glm::dot(axis, direction) - cos_outer;
+  const double ramp = std::clamp(above / std::max(1e-12, cos_inner - cos_outer), 0.0, 1.0);
+  return ramp * ramp;
+}
+
+Vec3 LightStrength(const AreaLight& light) {
+  return std::visit([](const auto& shape) { return Emission(shape); }, light.shape);
+}
+
+double UnoccludedFactor(const AreaLight& light, DVec3 point, DVec3 normal) {
+  return std::visit([&](const auto& shape) { return Factor(shape, point, normal); }, light.shape);
+}
+
 Vec3 UnoccludedRadiance(const AreaLight& light, Vec3 point, Vec3 normal) {
-  return std::visit(
-      [&](const auto& shape) {
-        return Emission(shape) * static_cast<float>(Factor(shape, DVec3(point), DVec3(normal)));
-      },
-      light.shape);
+  return LightStrength(light) *
+         static_cast<float>(UnoccludedFactor(light, DVec3(point), DVec3(normal)));
 }
 
 }  // namespace penumbra

@@ -17,4 +17,19 @@ namespace penumbra {
 // Source  Herf 1997, equations 3.1, 4.1 and 4.2
 Vec3 UnoccludedRadiance(const AreaLight& light, Vec3 point, Vec3 normal);
 
+// Its two factors: the radiance, intensity or irradiance that `light` is given with, and what a unit
+// of that does at `point`.
+Vec3 LightStrength(const AreaLight& light);
+double UnoccludedFactor(const AreaLight& light, DVec3 point, DVec3 normal);
+
+// The part of its intensity that a spot sends along a unit vector, in [0, 1]: the square of a ramp
+// that is linear in the cosine, as in KHR_lights_punctual.
+struct SpotCone {
+  explicit SpotCone(const SpotLight& light);
+  double Falloff(DVec3 direction) const;
+
+  DVec3 axis;
+  double cos_outer, cos_inner;
+};
+
 }  // namespace penumbra

@@ -3,14 +3,24 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
 
+// Floats to the last bit.
+std::string KeyOfShading(const SoftTextureParams& params) {
+  const Vec3 ambient = params.ambient;
+  return absl::StrFormat("%d %a %a %a %a %d %a %d", static_cast<int>(params.shading),
+                         params.form_factor_error, ambient.x, ambient.y, ambient.z,
+                         static_cast<int>(params.output), params.output_scale,
+                         static_cast<int>(params.count_bits));
+}
+
 std::string KeyOf(const SoftTextureParams& params) {
   return absl::StrCat(params.samples, " ", params.seed, " ", params.radiance, " ",
-                      static_cast<int>(params.method));
+                      static_cast<int>(params.method), " ", KeyOfShading(params));
 }
 
 }  // namespace

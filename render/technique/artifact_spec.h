@@ -2,15 +2,19 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "absl/status/status.h"
 #include "render/technique/technique_params.h"
 
 namespace penumbra {
 
+// As a light's id: all lights of the scene in one artifact. No light can be called so.
+inline constexpr std::string_view kAllLights = "*";
+
 struct ArtifactSpec {
   TechniqueParams params;
-  std::string light_id;
+  std::string light_id;  // or kAllLights
   std::string receiver_id;
   // How long after a commit the first artifact that shows it should be there, at the price of fewer
   // samples: > 0, in ms, and 0 for no such wish. Later passes refine it as ever.

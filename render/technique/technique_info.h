@@ -8,7 +8,7 @@ namespace penumbra {
 
 struct ParameterInfo {
   std::string_view name;
-  std::string_view type;  // "uint", "bool", "float"
+  std::string_view type;  // "uint", "bool", "float", "enum", "rgb"
   std::string_view default_value;
   std::string_view range;
   std::string_view meaning;

@@ -24,7 +24,7 @@ grpc::Slice Bytes(const v1::ArtifactUpdate& fields) {
 // Whether the two can be compared tile by tile.
 bool HaveSameGrid(const SoftShadowTexture& a, const SoftShadowTexture& b) {
   return a.visibility.width == b.visibility.width && a.visibility.height == b.visibility.height &&
-         a.radiance.has_value() == b.radiance.has_value();
+         HaveSameRadianceFormat(a, b);
 }
 
 }  // namespace

@@ -85,7 +85,10 @@ TEST_P(RadianceTest, TheTextureOfAnUnoccludedReceiver) {
     const auto& texture = std::get<SoftShadowTexture>(artifact.payload);
     ASSERT_TRUE(texture.radiance);
     for (uint32_t t = 0; t < 7 * 5; ++t) {
-      const DVec3 at(texture.receiver.TexelCenter(t % 7, t / 7));
+      // In double precision, as the texture is computed.
+      const Parallelogram& patch = texture.receiver.patch;
+      const DVec3 at = DVec3(patch.origin) + (t % 7 + 0.5) / 7 * DVec3(patch.edge_u) +
+                       (t / 7 + 0.5) / 5 * DVec3(patch.edge_v);
       DVec3 expected = IntegratedRadiance(light, at, DVec3(0, 1, 0));
       if (receiver.two_sided) expected += IntegratedRadiance(light, at, DVec3(0, -1, 0));
       expected *= DVec3(receiver.reflectance);

@@ -33,6 +33,7 @@ std::vector<Row> SoftTextureSuite(const BenchOptions& options);
 std::vector<Row> SilhouetteSuite(const BenchOptions& options);
 std::vector<Row> MethodsSuite(const BenchOptions& options);
 std::vector<Row> GrowthSuite(const BenchOptions& options);
+std::vector<Row> RadianceSuite(const BenchOptions& options);
 std::vector<Row> ServiceSuite(const BenchOptions& options);
 std::vector<Row> GlSuite(const BenchOptions& options);
 

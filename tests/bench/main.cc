@@ -23,10 +23,13 @@ struct NamedSuite {
   bool is_part = false;  // of another: not run unless it is named
 };
 
-constexpr NamedSuite kSuites[] = {
-    {"soft_texture", SoftTextureSuite}, {"silhouette", SilhouetteSuite, true},
-    {"methods", MethodsSuite, true},    {"growth", GrowthSuite, true},
-    {"service", ServiceSuite},          {"gl", GlSuite}};
+constexpr NamedSuite kSuites[] = {{"soft_texture", SoftTextureSuite},
+                                  {"silhouette", SilhouetteSuite, true},
+                                  {"methods", MethodsSuite, true},
+                                  {"growth", GrowthSuite, true},
+                                  {"radiance", RadianceSuite},
+                                  {"service", ServiceSuite},
+                                  {"gl", GlSuite}};
 
 void Print(const std::vector<Row>& rows) {
   for (const Row& row : rows) {

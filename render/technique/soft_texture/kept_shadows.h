@@ -43,6 +43,11 @@ class SampleShadows {
   // Shapes  the texture's H×W → H·W counts, row by row
   std::vector<uint16_t> Counts(uint32_t samples) const;
 
+  // The words of a row: those of the next column and of the next sample lie a stride further.
+  const uint32_t* Row(uint32_t sample, uint32_t row) const { return &words_[At(sample, 0, row)]; }
+  size_t column_stride() const { return height_; }
+  size_t sample_stride() const { return size_t{columns_} * height_; }
+
  private:
   size_t At(uint32_t sample, uint32_t column, uint32_t row) const {
     return (size_t{sample} * columns_ + column) * height_ + row;

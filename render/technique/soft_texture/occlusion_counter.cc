@@ -170,6 +170,7 @@ void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<s
       if (stop.stop_requested()) return;
       worker.shadow.Draw(*job.occluders, seen, job.sample, job.map, window, worker.bitmap);
       if (stored_in_) stored_in_->Store(job.number, window.row_begin, worker.bitmap);
+      if (band_) band_->Store(job.number - band_first_, 0, worker.bitmap);
       if (beyond_) beyond_->Subtract(job.number, window.row_begin, worker.bitmap);
       worker.CountBitmap();
     }
@@ -187,8 +188,16 @@ void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<s
   AddCounts(workers, window, counts_.data() + size_t{window.row_begin} * receiver_.width);
 }
 
+void OcclusionCounter::SumBand(std::span<const LightSample> samples, const TexelWindow& window,
+                               const std::stop_token& stop) {
+  const BandShadows drawn{.shadows = band_ ? &*band_ : nullptr, .first_row = window.row_begin};
+  const BandShadows kept{.shadows = beyond_, .first_sample = band_first_};
+  sum_->AddBand(samples, window, drawn, kept, stop);
+}
+
 absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::task_arena& arena,
                                    const std::stop_token& stop) {
+  band_first_ = added_;
   std::vector<Job> jobs = JobsFor(samples, stop);
   const Outlines outlines = OutlinesFor(jobs, arena);
   const uint32_t columns = (receiver_.width + 31) / 32;
@@ -198,9 +207,17 @@ absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::ta
   const size_t group_size =
       std::clamp<size_t>(jobs.size() / (2 * std::max(worker_count, 1)), 1, kNeighbours);
   const std::vector<size_t> groups = GroupNeighbours(jobs, group_size);
-  for (uint32_t row = 0; row < receiver_.height && !jobs.empty(); row += band_rows) {
+  const bool is_idle = jobs.empty() && !sum_;
+  for (uint32_t row = 0; row < receiver_.height && !is_idle; row += band_rows) {
     const TexelWindow window{receiver_.width, row, std::min(row + band_rows, receiver_.height)};
-    RunIn(arena, [&] { AddBand(jobs, groups, outlines, window, worker_count, stop); });
+    if (sum_ && !jobs.empty()) {
+      band_.emplace(receiver_.width, window.row_end - row, static_cast<uint32_t>(samples.size()));
+    }
+    RunIn(arena, [&] {
+      if (!jobs.empty()) AddBand(jobs, groups, outlines, window, worker_count, stop);
+      if (sum_) SumBand(samples, window, stop);
+    });
+    band_.reset();
     if (stop.stop_requested()) break;
   }
   return stop.stop_requested() ? absl::CancelledError("stop requested") : absl::OkStatus();

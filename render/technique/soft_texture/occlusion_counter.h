@@ -23,6 +23,7 @@
 #include "render/technique/soft_texture/kept_shadows.h"
 #include "render/technique/soft_texture/occluder_set.h"
 #include "render/technique/soft_texture/receiver_transform.h"
+#include "render/technique/soft_texture/sample_sum.h"
 #include "tbb/task_arena.h"
 
 namespace penumbra {
@@ -44,6 +45,8 @@ class OcclusionCounter {
   }
   // From now on what is hidden in `shadows` does not count.
   void CountBeyond(const SampleShadows& shadows) { beyond_ = &shadows; }
+  // From now on `sum` gets all samples, hidden where drawn here or in what is counted beyond.
+  void SumInto(SampleSum& sum) { sum_ = &sum; }
 
   // Adds what hides `samples`. The result depends on neither the arena's size nor how samples are
   // split into calls.
@@ -84,6 +87,8 @@ class OcclusionCounter {
   void AddBand(const std::vector<Job>& jobs, const std::vector<size_t>& groups,
                const Outlines& outlines, const TexelWindow& window, int worker_count,
                const std::stop_token& stop);
+  void SumBand(std::span<const LightSample> samples, const TexelWindow& window,
+               const std::stop_token& stop);
 
   const Scene& scene_;
   ReceiverPatch receiver_;
@@ -93,7 +98,10 @@ class OcclusionCounter {
   std::optional<ShadowRegion> region_;  // where culling is wanted
   SampleShadows* stored_in_ = nullptr;
   const SampleShadows* beyond_ = nullptr;
-  uint32_t added_ = 0;  // the next sample's number
+  SampleSum* sum_ = nullptr;
+  std::optional<SampleShadows> band_;  // what was drawn of a band, for the sum
+  uint32_t added_ = 0;                 // the next sample's number
+  uint32_t band_first_ = 0;            // that of the first of this call of Add
   std::array<std::unique_ptr<OccluderSet>, 2>
       occluders_;  // on the front, on the back; made on first use
   std::vector<uint16_t> counts_;

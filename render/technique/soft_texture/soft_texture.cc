@@ -10,17 +10,16 @@
 #include "absl/strings/str_format.h"
 #include "render/math/parallel_for.h"
 #include "render/scene/field_error.h"
+#include "render/technique/soft_texture/all_lights.h"
 #include "render/technique/soft_texture/gl/gl_shadows.h"
 #include "render/technique/soft_texture/occlusion_counter.h"
+#include "render/technique/soft_texture/params_check.h"
+#include "render/technique/soft_texture/passes.h"
 #include "render/technique/soft_texture/receiver_coverage.h"
+#include "render/technique/soft_texture/texture_shading.h"
 
 namespace penumbra {
 namespace {
-
-// The first artifact comes after this many samples, or as many as fit into the time budget, each
-// later one after this many times more.
-constexpr uint32_t kFirstPassSamples = 8;
-constexpr uint32_t kPassGrowth = 8;
 
 // What of a time budget computing may take: the rest is for the way to the client.
 constexpr double kComputingShare = 0.5;
@@ -42,23 +41,6 @@ double SurfaceOffset(const ReceiverPatch& receiver) {
 // An edit whose samples, times the triangles and words of texels of each, are no more than this is
 // done sooner than a coarse pass of it is sent.
 constexpr uint64_t kWorkWorthAPass = 1u << 18;
-
-// How many of `n` samples are counted in all after the pass that follows one that ended with
-// `done`. A last pass that would bring less than half as many again is merged with the one before.
-uint32_t NextPassEnd(uint32_t done, uint32_t first, uint32_t n) {
-  if (done == 0) return std::min(first, n);
-  const uint64_t count = uint64_t{done} * kPassGrowth;
-  return count + count / 2 >= n ? n : static_cast<uint32_t>(count);
-}
-
-// A straight shadow edge crosses about √(2n) of the n cells of a jittered grid; the sample in each
-// of these is on the dark side with some probability p, which adds p (1 − p) ≤ ¼ to the variance of
-// the count.
-float ErrorEstimate(uint32_t n, bool has_size) {
-  if (!has_size) return 0;
-  const double crossed = std::min<double>(n, std::sqrt(2.0 * n));
-  return static_cast<float>(std::sqrt(0.25 * crossed) / n);
-}
 
 // What the mask says already, and would be held for as long as the artifact.
 ReceiverPatch WithoutRegion(ReceiverPatch receiver) {
@@ -98,7 +80,10 @@ class Computation {
         scene_(scene),
         plan_(Plan()),
         samples_(Samples()),
-        moving_(scene, *light_, receiver_, surface_offset_, Rules(), CastersOf(true)) {
+        moving_(scene, *light_, receiver_, surface_offset_, Rules(), CastersOf(true)),
+        shading_(*light_, receiver_, surface_offset_, static_cast<uint32_t>(samples_.size()),
+                 ShadingParams()) {
+    if (shading_.sum()) moving_.SumInto(*shading_.sum());
     if (plan_.base) {
       plan_.base->samples = samples_;
       moving_.CountBeyond(plan_.base->shadows);
@@ -114,11 +99,8 @@ class Computation {
     header_.light_id = spec.light_id;
     header_.receiver_id = spec.receiver_id;
     header_.samples_requested = static_cast<uint32_t>(samples_.size());
-    header_.parameters = {{"samples", absl::StrCat(samples_.size())},
-                          {"seed", absl::StrCat(params().seed)},
-                          {"radiance", params().radiance ? "true" : "false"},
-                          {"method", std::string(NameOf(params().method))},
-                          {"surface_offset_m", absl::StrFormat("%.17g", surface_offset_)}};
+    header_.parameters = EffectiveParameters(params(), samples_.size());
+    header_.parameters["surface_offset_m"] = absl::StrFormat("%.17g", surface_offset_);
   }
 
   absl::StatusOr<Artifact> Run() {
@@ -148,6 +130,12 @@ class Computation {
   std::vector<LightSample> Samples() const {
     if (plan_.base && !plan_.base->samples.empty()) return plan_.base->samples;
     return SampleLight(*light_, params().samples, params().seed, receiver_.patch.At(Vec2(0.5f)));
+  }
+  // OpenGL adds up the samples itself.
+  SoftTextureParams ShadingParams() const {
+    SoftTextureParams shading = params();
+    if (shading.method == VisibilityMethod::kGl) shading.shading = Shading::kProduct;
+    return shading;
   }
   ShadowRules Rules() const { return {.method = params().method}; }
   CasterChoice CastersOf(bool moving) const {
@@ -221,12 +209,17 @@ class Computation {
     texture.receiver.deviation_m = 0;
     texture.coverage = coverage_.mask();
     texture.visibility = {receiver_.width, receiver_.height, done, VisibleCounts(done)};
-    if (on_gl_ && params().radiance) {
-      texture.radiance = on_gl_->Radiance();
-    } else if (params().radiance) {
+    texture.count_bits = BitsOf(params().count_bits);
+    if (params().radiance) {
       const Stopwatch shading(context_.now_ms);
-      RunIn(context_.arena, [&] { texture.radiance = ReflectedRadiance(texture, context_.stop); });
+      RunIn(context_.arena, [&] {
+        texture.radiance = on_gl_ ? shading_.Finish(on_gl_->Radiance(), texture, context_.stop)
+                                  : shading_.Shade(texture, context_.stop);
+      });
       header_.timings_ms["shading"] = shading.ElapsedMs();
+      if (IsUnorm(texture.radiance->format)) {
+        header_.parameters["output_scale"] = absl::StrFormat("%.9g", texture.radiance->scale);
+      }
     }
     header_.light_samples.assign(samples_.begin(), samples_.begin() + done);
     for (LightSample& sample : header_.light_samples)
@@ -252,23 +245,26 @@ class Computation {
   OcclusionCounter moving_;
   std::optional<OcclusionCounter> still_;
   std::optional<GlShadows> on_gl_;  // in place of both
+  TextureShading shading_;
   ArtifactHeader header_;
 };
 
 }  // namespace
 
 absl::Status SoftTexture::Check(const Scene& scene, const ArtifactSpec& spec) const {
-  const uint32_t samples = ParamsOf(spec).samples;
-  if (samples < 1 || samples > SceneLimits{}.max_light_samples) {
-    return FieldError(
-        absl::StatusCode::kInvalidArgument, "RANGE", "soft_texture.samples",
-        absl::StrCat("found ", samples, ", need 1 to ", SceneLimits{}.max_light_samples));
-  }
+  if (const auto status = CheckParams(ParamsOf(spec)); !status.ok()) return status;
   if (const auto status = CheckTimeBudget(spec); !status.ok()) return status;
-  if (!scene.FindLight(spec.light_id)) {
+  if (spec.light_id == kAllLights) {
+    const auto status = CheckAllLights(scene, ParamsOf(spec));
+    return status.ok() ? scene.ResolveReceiver(spec.receiver_id).status() : status;
+  }
+  const auto light = scene.FindLight(spec.light_id);
+  if (!light) {
     return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "light_id",
                       absl::StrCat("found ", spec.light_id, ", need a light of the scene"));
   }
+  const uint32_t samples = EffectiveSampleCount(*light, ParamsOf(spec).samples);
+  if (const auto status = CheckCountBits(ParamsOf(spec), samples); !status.ok()) return status;
   return scene.ResolveReceiver(spec.receiver_id).status();
 }
 
@@ -285,6 +281,7 @@ absl::StatusOr<Artifact> SoftTexture::Compute(const Scene& scene, const Artifact
                                    "method",
                                    context.gl_error.empty() ? "" : ": ", context.gl_error));
   }
+  if (spec.light_id == kAllLights) return ComputeAllLights(*this, scene, spec, context);
   return Computation(scene, spec, context, *scene.ResolveReceiver(spec.receiver_id),
                      scene.FindLight(spec.light_id))
       .Run();

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string_view>
 
+#include "render/artifact/radiance_format.h"
+#include "render/math/vec.h"
 #include "render/technique/technique_info.h"
 
 namespace penumbra {
@@ -34,12 +36,46 @@ inline std::optional<VisibilityMethod> VisibilityMethodNamed(std::string_view na
   return std::nullopt;
 }
 
+// How what reaches a texel is weighed, where radiance is asked for.
+enum class Shading : uint8_t {
+  kProduct,    // visible fraction times the unoccluded radiance in closed form, equation 4.1
+  kSampleSum,  // what each visible sample sends, added up, equation 3.2
+};
+
+inline constexpr std::array<std::string_view, 2> kShadingNames = {"product", "sample_sum"};
+
+// Beyond this relative error an interpolated form factor would show.
+inline constexpr float kMaxFormFactorError = 0.1f;
+// Far from where single precision ends.
+inline constexpr float kMaxOutputScale = 1e30f;
+
+// Bits a count.
+enum class CountBits : uint8_t {
+  kAuto,  // 8 where the number of samples allows
+  k8,
+  k16,
+};
+
+inline constexpr std::array<std::string_view, 3> kCountBitsNames = {"auto", "8", "16"};
+
+// 0 for kAuto.
+constexpr uint32_t BitsOf(CountBits bits) { return 8 * static_cast<uint32_t>(bits); }
+
 struct SoftTextureParams {
   uint32_t samples = 64;  // light samples, 1 to 1,024
   uint64_t seed = 1;      // of the jitter
   bool radiance = false;  // put the radiance texture into the artifact, next to the counts
 
   VisibilityMethod method = VisibilityMethod::kAuto;  // makes no difference but of time
+
+  // Of radiance.
+  Shading shading = Shading::kProduct;
+  float form_factor_error = 1e-3f;  // relative bound at each texel, [0, 0.1]
+  Vec3 ambient{0.0f};               // reaches every texel, W·m⁻²·sr⁻¹
+  RadianceFormat output = RadianceFormat::kFloat32;
+  float output_scale = 0;  // of unorm outputs, W·m⁻²·sr⁻¹; 0: the most that the texture can reach
+
+  CountBits count_bits = CountBits::kAuto;
 
   friend bool operator==(const SoftTextureParams&, const SoftTextureParams&) = default;
 
@@ -50,6 +86,18 @@ struct SoftTextureParams {
       {"radiance", "bool", "false", "", "deliver reflected radiance next to the counts"},
       {"method", "enum", "auto", "auto, coverage, edge_flag, silhouette or gl",
        "how hard shadows are drawn; all give the same counts"},
+      {"shading", "enum", "product", "product or sample_sum",
+       "radiance as visible fraction times form factor, or summed over visible samples"},
+      {"form_factor_error", "float", "0.001", "0 to 0.1",
+       "bound on the unoccluded radiance's relative error at a texel; 0: closed form everywhere"},
+      {"ambient", "rgb", "0 0 0", "at least 0",
+       "radiance that reaches every texel, in W·m⁻²·sr⁻¹; in radiance only"},
+      {"output", "enum", "float32", "float32, half, unorm16 or unorm8",
+       "what radiance is rounded to, held and sent in"},
+      {"output_scale", "float", "0", "0 to 1e30",
+       "radiance, in W·m⁻²·sr⁻¹, that is 1 in unorm outputs; 0: the most that nothing hides"},
+      {"count_bits", "enum", "auto", "auto, 8 or 16",
+       "bits that a count is sent in; auto: 8 for up to 255 samples"},
   };
   static constexpr TechniqueInfo kInfo = {
       .name = "soft_texture",

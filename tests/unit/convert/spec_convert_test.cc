@@ -33,6 +33,49 @@ TEST(SpecConvertTest, EveryTechniqueGoesThereAndBack) {
   }
 }
 
+TEST(SpecConvertTest, ShadingGoesThereAndBack) {
+  for (size_t i = 0; i < 4; ++i) {
+    const ArtifactSpec spec{
+        .params = SoftTextureParams{.radiance = true,
+                                    .shading = static_cast<Shading>(i % 2),
+                                    .form_factor_error = 0.25f * i,
+                                    .ambient = Vec3(0.1f * i, 2, 3),
+                                    .output = static_cast<RadianceFormat>(i),
+                                    .output_scale = 1.5f * i,
+                                    .count_bits = static_cast<CountBits>(i % 3)},
+        .light_id = "l",
+        .receiver_id = "r"};
+    const auto proto = ToProto(spec);
+    EXPECT_EQ(*FromProto(proto), spec);
+    EXPECT_EQ(v1::RadianceFormat_Name(proto.soft_texture().output()),
+              "RADIANCE_FORMAT_" + absl::AsciiStrToUpper({kRadianceFormatNames[i].data(),
+                                                          kRadianceFormatNames[i].size()}));
+  }
+}
+
+// Artifacts that differ in any of it are different artifacts.
+TEST(SpecConvertTest, ShadingIsPartOfTheKey) {
+  const ArtifactSpec plain{.params = SoftTextureParams{}, .light_id = "l", .receiver_id = "r"};
+  const SoftTextureParams others[] = {{.shading = Shading::kSampleSum},
+                                      {.form_factor_error = 1.0001e-3f},
+                                      {.ambient = Vec3(0, 0, 1e-7f)},
+                                      {.output = RadianceFormat::kHalf},
+                                      {.output_scale = 1},
+                                      {.count_bits = CountBits::k16}};
+  for (const SoftTextureParams& params : others) {
+    EXPECT_NE(SpecKey({params, "l", "r"}), SpecKey(plain));
+  }
+}
+
+TEST(SpecConvertTest, UnknownShadingIsRefused) {
+  v1::ArtifactSpec proto;
+  proto.mutable_soft_texture()->set_shading(static_cast<v1::Shading>(99));
+  EXPECT_EQ(ErrorFieldPath(FromProto(proto).status()), "spec.soft_texture.shading");
+  proto.mutable_soft_texture()->set_shading(v1::SHADING_PRODUCT);
+  proto.mutable_soft_texture()->set_output(static_cast<v1::RadianceFormat>(-1));
+  EXPECT_EQ(ErrorFieldPath(FromProto(proto).status()), "spec.soft_texture.output");
+}
+
 TEST(SpecConvertTest, AnUnknownMethodIsRefused) {
   v1::ArtifactSpec proto;
   proto.mutable_soft_texture()->set_method(static_cast<v1::VisibilityMethod>(99));

@@ -72,6 +72,65 @@ TEST(TileCodecTest, NoiseGoesThereAndBackForAnySize) {
   }
 }
 
+TEST(TileCodecTest, RoundedRadianceGoesThereAndBackInFewerBytes) {
+  for (const RadianceFormat format :
+       {RadianceFormat::kHalf, RadianceFormat::kUnorm16, RadianceFormat::kUnorm8}) {
+    for (const float scale : {0.7f, 9.0f}) {
+      SoftShadowTexture texture = RandomTexture(70, 66, 300, true);
+      RoundTo(format, scale, *texture.radiance);
+      SoftShadowTexture back = Texture(70, 66, 300, true);
+      back.radiance->format = format;
+      back.radiance->scale = texture.radiance->scale;
+      TileEncoder encoder;
+      TileDecoder decoder;
+      ForTiles(texture, [&](uint32_t column, uint32_t row) {
+        const v1::Tile tile = encoder.Encode(texture, column, row);
+        const size_t texels = (column == 0 ? 64 : 6) * (row == 0 ? 64 : 2);
+        EXPECT_LE(tile.radiance().size(), texels * 3 * BytesPerChannel(format));
+        EXPECT_TRUE(decoder.Decode(tile, back).ok());
+      });
+      EXPECT_EQ(back.radiance->texels, texture.radiance->texels);
+      // A plane of another format has another length.
+      back.radiance->format =
+          format == RadianceFormat::kUnorm8 ? RadianceFormat::kHalf : RadianceFormat::kUnorm8;
+      const auto status = decoder.Decode(encoder.Encode(texture, 0, 0), back);
+      EXPECT_EQ(ErrorFieldPath(status), "tile.radiance");
+    }
+  }
+}
+
+TEST(TileCodecTest, CountsTakeTheBitsAskedFor) {
+  SoftShadowTexture texture = RandomTexture(64, 64, 200, false);
+  TileEncoder encoder;
+  const auto size = [&](uint32_t bits) -> size_t {
+    texture.count_bits = bits;
+    const v1::Tile tile = encoder.Encode(texture, 0, 0);
+    SoftShadowTexture back = Texture(64, 64, 200, false);
+    back.count_bits = bits;
+    TileDecoder decoder;
+    EXPECT_TRUE(decoder.Decode(tile, back).ok());
+    EXPECT_EQ(back.visibility.counts, texture.visibility.counts);
+    if (tile.counts_codec() == v1::CODEC_RAW) return tile.counts().size();
+    return static_cast<size_t>(
+        ZSTD_getFrameContentSize(tile.counts().data(), tile.counts().size()));
+  };
+  EXPECT_EQ(size(16), 2u * 64 * 64);
+  EXPECT_EQ(size(8), 64u * 64);
+  EXPECT_EQ(size(0), 64u * 64);
+}
+
+TEST(TileCodecTest, FormatsAreTheSameOrNot) {
+  SoftShadowTexture a = Texture(4, 4, 2, true), b = a;
+  EXPECT_TRUE(HaveSameRadianceFormat(a, b));
+  b.radiance->format = RadianceFormat::kHalf;
+  EXPECT_FALSE(HaveSameRadianceFormat(a, b));
+  b = a;
+  b.radiance->scale = 2;
+  EXPECT_FALSE(HaveSameRadianceFormat(a, b));
+  b.radiance.reset();
+  EXPECT_FALSE(HaveSameRadianceFormat(a, b));
+}
+
 TEST(TileCodecTest, FlatTilesCarryNoBytes) {
   SoftShadowTexture texture = Texture(64, 64, 300, false);
   TileEncoder encoder;

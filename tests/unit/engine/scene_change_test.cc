@@ -96,5 +96,41 @@ TEST_F(SceneChangeTest, APlanarReceiverFollowsItsInstance) {
   EXPECT_TRUE(Affects({.upsert_instances = {table}}));
 }
 
+Instance SmallBox(std::string id, Vec3 place) {
+  return {.id = std::move(id),
+          .mesh = MeshOf(testing::UnitBoxGeometry()),
+          .world_from_mesh = Placed(place, 0.2f)};
+}
+
+// An artifact of all lights: any change of any of them, and what lies between any of them and the
+// receiver.
+TEST(SceneChangeOfAllLights, AnyLightMatters) {
+  const AreaLight near{"near", PointLight{.position = Vec3(0, 2, 0)}};
+  const AreaLight aside{"aside", PointLight{.position = Vec3(50, 2, 0)}};
+  Instance box = SmallBox("box", Vec3(25, 1, 0));
+  const auto scene = Scene::Empty("s")
+                         ->Apply({.upsert_instances = {box},
+                                  .upsert_lights = {near, aside},
+                                  .upsert_receivers = {FloorReceiver("floor", 2, 8)}})
+                         .value();
+  const auto affects = [&](const std::string& light_id, const SceneDelta& delta) {
+    const auto after = scene->Apply(delta).value();
+    KnownShadowRegion region;
+    SceneChange change(*scene, *after, delta);
+    return change.Affects({SoftTextureParams{}, light_id, "floor"}, region);
+  };
+  AreaLight brighter = aside;
+  std::get<PointLight>(brighter.shape).intensity = Vec3(2);
+  EXPECT_TRUE(affects("*", {.upsert_lights = {brighter}}));
+  EXPECT_FALSE(affects("near", {.upsert_lights = {brighter}}));
+  EXPECT_TRUE(affects("*", {.remove_lights = {"aside"}}));
+  EXPECT_TRUE(affects("*", {.upsert_lights = {{"third", PointLight{}}}}));
+  EXPECT_FALSE(affects("*", {.upsert_lights = {aside}}));
+  box.world_from_mesh[3] += Vec3(1, 0, 0);
+  EXPECT_TRUE(affects("*", {.upsert_instances = {box}}));
+  EXPECT_FALSE(affects("near", {.upsert_instances = {box}}));
+  EXPECT_FALSE(affects("*", {.upsert_instances = {SmallBox("high", Vec3(0, 9, 0))}}));
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -1,0 +1,69 @@
+#include "render/technique/soft_texture/params_check.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "render/scene/field_error.h"
+#include "render/scene/scene_limits.h"
+
+namespace penumbra {
+namespace {
+
+absl::Status RangeError(std::string_view field, const std::string& found, std::string_view need) {
+  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field,
+                    absl::StrCat("found ", found, ", need ", std::string(need)));
+}
+
+std::string Text(Vec3 rgb) { return absl::StrFormat("%.9g %.9g %.9g", rgb.x, rgb.y, rgb.z); }
+
+template <size_t kCount>
+std::string NameOf(const std::array<std::string_view, kCount>& names, auto value) {
+  return std::string(names[static_cast<size_t>(value)]);
+}
+
+}  // namespace
+
+absl::Status CheckParams(const SoftTextureParams& params) {
+  const uint32_t most = SceneLimits{}.max_light_samples;
+  if (params.samples < 1 || params.samples > most) {
+    return RangeError("soft_texture.samples", absl::StrCat(params.samples),
+                      absl::StrCat("1 to ", most));
+  }
+  if (!(params.form_factor_error >= 0 && params.form_factor_error <= kMaxFormFactorError)) {
+    return RangeError("soft_texture.form_factor_error", absl::StrCat(params.form_factor_error),
+                      absl::StrCat("0 to ", kMaxFormFactorError));
+  }
+  const Vec3 ambient = params.ambient;
+  if (!IsFinite(ambient) || !(std::min({ambient.x, ambient.y, ambient.z}) >= 0)) {
+    return RangeError("soft_texture.ambient", Text(ambient), "finite numbers of at least 0");
+  }
+  if (!(params.output_scale >= 0 && params.output_scale <= kMaxOutputScale)) {
+    return RangeError("soft_texture.output_scale", absl::StrCat(params.output_scale),
+                      absl::StrCat("0 to ", kMaxOutputScale));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckCountBits(const SoftTextureParams& params, size_t samples) {
+  if (params.count_bits != CountBits::k8 || samples <= 255) return absl::OkStatus();
+  return RangeError("soft_texture.count_bits", absl::StrCat("8 for ", samples, " light samples"),
+                    "16 or auto, or at most 255 samples");
+}
+
+std::map<std::string, std::string> EffectiveParameters(const SoftTextureParams& params,
+                                                       size_t samples) {
+  std::map<std::string, std::string> text = {{"samples", absl::StrCat(samples)},
+                                             {"seed", absl::StrCat(params.seed)},
+                                             {"radiance", params.radiance ? "true" : "false"}};
+  if (params.radiance) {
+    text["shading"] = NameOf(kShadingNames, params.shading);
+    text["form_factor_error"] = absl::StrFormat("%.9g", params.form_factor_error);
+    text["ambient"] = Text(params.ambient);
+    text["output"] = NameOf(kRadianceFormatNames, params.output);
+  }
+  return text;
+}
+
+}  // namespace penumbra
