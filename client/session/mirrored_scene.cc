@@ -62,6 +62,11 @@ bool MirroredScene::has_content() const {
   return has_content_;
 }
 
+Revision MirroredScene::pushed_revision() const {
+  std::lock_guard lock(mutex_);
+  return pushed_revision_;
+}
+
 absl::Status MirroredScene::Apply(const v1::SceneUpdate& update) {
   if (!is_continued_) {
     if (update.is_snapshot()) {

@@ -37,6 +37,8 @@ class MirroredScene {
 
   // Whether a first whole content has been pushed.
   bool has_content() const;
+  // Where all that was pushed leads to, applied or not.
+  Revision pushed_revision() const;
 
  private:
   struct OwnCommit {

@@ -48,7 +48,7 @@ absl::Status RemoteEngine::DeleteScene(const std::string& scene_id) {
       connection_->Call(&v1::PenumbraService::Stub::DeleteScene, request, &response);
   if (!status.ok()) return status;
   connection_->EndSession(
-      scene_id, FieldError(absl::StatusCode::kNotFound, "UNKNOWN_SCENE", "scene_id",
+      scene_id, FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
                            "found \"" + scene_id + "\", which was deleted, need a scene's id"));
   return absl::OkStatus();
 }

@@ -29,10 +29,16 @@ struct Consumed {
 
 class RemoteSubscriber {
  public:
-  // `asked_ms` and all times are of the steady clock.
+  // `asked_at` is the newest revision that this client knew when it asked: what is said of the
+  // subscription as a whole holds for that at least. `asked_ms` and all times are of the steady
+  // clock.
   RemoteSubscriber(uint64_t id, RemoteEngine::MeasuredCallback callback, const SceneLimits& limits,
-                   double asked_ms)
-      : id_(id), asked_ms_(asked_ms), callback_(std::move(callback)), assembler_(limits) {}
+                   Revision asked_at, double asked_ms)
+      : id_(id),
+        asked_ms_(asked_ms),
+        callback_(std::move(callback)),
+        assembler_(limits),
+        newest_revision_(asked_at) {}
 
   uint64_t id() const { return id_; }
 
@@ -66,7 +72,7 @@ class RemoteSubscriber {
   std::optional<ArtifactUpdate> waiting_;
   UpdateTraffic waiting_traffic_;
   Consumed waiting_consumed_;
-  Revision newest_revision_ = 0;
+  Revision newest_revision_;
   bool is_scheduled_ = false;  // a job is going to look, or is looking, for what waits
   bool is_closed_ = false;
   std::thread::id caller_;  // the thread inside the callback; none: default

@@ -183,7 +183,8 @@ absl::StatusOr<std::unique_ptr<Subscription>> SceneSession::Subscribe(
     const uint64_t id = next_id_++;
     request.mutable_subscribe()->set_subscription_id(id);
     subscriber = std::make_shared<RemoteSubscriber>(id, std::move(callback),
-                                                    connection_.blobs().scene_limits(), NowMs());
+                                                    connection_.blobs().scene_limits(),
+                                                    mirror_.pushed_revision(), NowMs());
     subscribers_[id] = subscriber;
     subscribes_[id] = answer;
   }

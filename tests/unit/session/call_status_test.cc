@@ -15,10 +15,10 @@ constexpr char kAddress[] = "lamp.example:7717";
 
 TEST(CallStatusTest, AnErrorOfTheServersKeepsItsCodeReasonAndField) {
   const absl::Status made =
-      FieldError(absl::StatusCode::kNotFound, "UNKNOWN_SCENE", "scene_id", "found \"x\"");
+      FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id", "found \"x\"");
   const absl::Status seen = StatusOfCall(kAddress, ToGrpcStatus(made));
   EXPECT_EQ(seen.code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(ErrorReason(seen), "UNKNOWN_SCENE");
+  EXPECT_EQ(ErrorReason(seen), "UNKNOWN_ID");
   EXPECT_EQ(ErrorFieldPath(seen), "scene_id");
   EXPECT_EQ(seen.message(), made.message());
 }
