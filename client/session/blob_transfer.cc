@@ -134,7 +134,8 @@ absl::Status BlobTransfer::Upload(const LocalBlobs& blobs,
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::unique_ptr<BlobSource>> BlobTransfer::Fetch(const v1::SceneDelta& delta) {
+absl::StatusOr<std::unique_ptr<BlobSource>> BlobTransfer::Fetch(const v1::SceneDelta& delta,
+                                                                std::stop_token stop) {
   auto source = std::make_unique<FetchedBlobs>();
   const auto find = [&](const std::string& bytes, const char* field) -> absl::Status {
     if (bytes.empty()) return absl::OkStatus();
@@ -143,7 +144,7 @@ absl::StatusOr<std::unique_ptr<BlobSource>> BlobTransfer::Fetch(const v1::SceneD
     if (source->meshes.contains(*hash) || source->masks.contains(*hash)) return absl::OkStatus();
     Local blob = Recall(*hash);
     if (!blob.mesh && !blob.mask) {
-      auto content = Download(*hash);
+      auto content = Download(*hash, stop);
       if (!content.ok()) return content.status();
       if (auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&*content)) blob.mesh = *mesh;
       if (auto* mask = std::get_if<std::shared_ptr<const AlphaMask>>(&*content)) blob.mask = *mask;
@@ -161,8 +162,9 @@ absl::StatusOr<std::unique_ptr<BlobSource>> BlobTransfer::Fetch(const v1::SceneD
   return source;
 }
 
-absl::StatusOr<BlobContent> BlobTransfer::Download(const ContentHash& hash) {
+absl::StatusOr<BlobContent> BlobTransfer::Download(const ContentHash& hash, std::stop_token stop) {
   grpc::ClientContext context;
+  const std::stop_callback on_stop(std::move(stop), [&context] { context.TryCancel(); });
   context.set_deadline(connection_.DeadlineFor(max_blob_bytes_));
   v1::DownloadBlobRequest request;
   request.set_hash(ToProto(hash));

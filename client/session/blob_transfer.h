@@ -1,13 +1,14 @@
 // Meshes and alpha masks on their way to the server and back: what is there is not sent again.
 //
 //   blobs.UploadMissing(delta, *mirror.Applied());   // before a commit
-//   auto source = blobs.Fetch(scene_update.delta());   // before a mirror applies a change
+//   auto source = blobs.Fetch(scene_update.delta(), stop);  // before a mirror applies a change
 #pragma once
 
 #include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -36,8 +37,10 @@ class BlobTransfer {
   // Where the blobs that `delta` names are, fetched from the server where they have not been seen
   // while something still held them.
   //
-  // Errors  kUnavailable; kDataLoss: other bytes came than were asked for
-  absl::StatusOr<std::unique_ptr<BlobSource>> Fetch(const v1::SceneDelta& delta);
+  // Errors  kUnavailable; kDataLoss: other bytes came than were asked for; kCancelled: stop
+  //         requested
+  absl::StatusOr<std::unique_ptr<BlobSource>> Fetch(const v1::SceneDelta& delta,
+                                                    std::stop_token stop);
 
   UploadTraffic traffic() const;
 
@@ -51,7 +54,7 @@ class BlobTransfer {
 
   absl::StatusOr<std::vector<ContentHash>> FindMissing(const LocalBlobs& blobs);
   absl::Status Upload(const LocalBlobs& blobs, const std::vector<ContentHash>& missing);
-  absl::StatusOr<BlobContent> Download(const ContentHash& hash);
+  absl::StatusOr<BlobContent> Download(const ContentHash& hash, std::stop_token stop);
   void Remember(const ContentHash& hash, const Local& blob);
   Local Recall(const ContentHash& hash);
 

@@ -16,15 +16,21 @@ absl::Status OutOfStep(const std::string& text) {
 }  // namespace
 
 MirroredScene::MirroredScene(const std::string& scene_id, BlobTransfer& blobs)
-    : blobs_(blobs), next_(Scene::Empty(scene_id)), scene_(next_) {}
+    : blobs_(blobs), scene_(Scene::Empty(scene_id)) {}
 
-void MirroredScene::Push(v1::SceneUpdate update) {
+bool MirroredScene::Push(v1::SceneUpdate update) {
   std::lock_guard lock(mutex_);
-  if (!update.is_continued()) {
-    pushed_revision_ = update.revision();
-    has_content_ = true;
+  const bool is_continued = update.is_continued();
+  if (pieces_) {
+    pieces_->mutable_delta()->MergeFrom(update.delta());
+  } else {
+    pieces_ = std::move(update);
   }
-  events_.emplace_back(std::move(update));
+  if (is_continued) return false;
+  pushed_revision_ = pieces_->revision();
+  has_content_ = true;
+  events_.emplace_back(*std::exchange(pieces_, std::nullopt));
+  return !std::exchange(is_catching_up_, true);
 }
 
 void MirroredScene::PushOwn(SceneDelta delta, Revision revision, std::string content_hash) {
@@ -35,18 +41,39 @@ void MirroredScene::PushOwn(SceneDelta delta, Revision revision, std::string con
   events_.emplace_back(OwnCommit{std::move(delta), revision, std::move(content_hash)});
 }
 
+bool MirroredScene::ApplyNext(bool own_only) {
+  Event event;
+  {
+    std::lock_guard lock(mutex_);
+    if (!status_.ok()) events_.clear();
+    if (events_.empty()) return false;
+    if (own_only && !std::holds_alternative<OwnCommit>(events_.front())) return false;
+    event = std::move(events_.front());
+    events_.pop_front();
+  }
+  status_ = std::visit([this](const auto& e) { return Apply(e); }, event);
+  return true;
+}
+
+void MirroredScene::CatchUp() {
+  for (;;) {
+    Newest().IgnoreError();
+    std::lock_guard lock(mutex_);
+    if (!events_.empty()) continue;
+    is_catching_up_ = false;
+    return;
+  }
+}
+
+void MirroredScene::CatchUpOwn() {
+  std::unique_lock applying(applying_, std::try_to_lock);
+  while (applying && ApplyNext(/*own_only=*/true)) {
+  }
+}
+
 absl::StatusOr<std::shared_ptr<const Scene>> MirroredScene::Newest() {
   std::lock_guard applying(applying_);
-  for (;;) {
-    Event event;
-    {
-      std::lock_guard lock(mutex_);
-      if (!status_.ok()) events_.clear();
-      if (events_.empty()) break;
-      event = std::move(events_.front());
-      events_.pop_front();
-    }
-    status_ = std::visit([this](const auto& e) { return Apply(e); }, event);
+  while (ApplyNext(/*own_only=*/false)) {
   }
   if (!status_.ok()) return status_;
   return Applied();
@@ -68,55 +95,44 @@ Revision MirroredScene::pushed_revision() const {
 }
 
 absl::Status MirroredScene::Apply(const v1::SceneUpdate& update) {
-  if (!is_continued_) {
-    if (update.is_snapshot()) {
-      next_ = Scene::Empty(next_->id());
-    } else if (update.from_revision() != next_->revision()) {
-      return OutOfStep(absl::StrCat("found a change from revision ", update.from_revision(),
-                                    ", need one from ", next_->revision()));
-    }
+  auto before = Applied();
+  if (update.is_snapshot()) {
+    before = Scene::Empty(before->id());
+  } else if (update.from_revision() != before->revision()) {
+    return OutOfStep(absl::StrCat("found a change from revision ", update.from_revision(),
+                                  ", need one from ", before->revision()));
   }
-  is_continued_ = update.is_continued();
-
-  const auto fetched = blobs_.Fetch(update.delta());
+  const auto fetched = blobs_.Fetch(update.delta(), stop_.get_token());
   if (!fetched.ok()) return fetched.status();
   const auto delta = FromProto(update.delta(), **fetched);
   if (!delta.ok()) return delta.status();
-  auto scene = next_->Apply(*delta, blobs_.scene_limits());
+  const auto scene = before->Apply(*delta, blobs_.scene_limits());
   if (!scene.ok()) return OutOfStep(std::string(scene.status().message()));
-  next_ = *std::move(scene);
-  if (is_continued_) return absl::OkStatus();
-
-  next_ = next_->WithRevision(update.revision());
-  if (absl::Status status = Check(*next_, update.content_hash()); !status.ok()) return status;
-  Publish(next_);
-  return absl::OkStatus();
+  return Publish((*scene)->WithRevision(update.revision()), update.content_hash());
 }
 
 absl::Status MirroredScene::Apply(const OwnCommit& commit) {
-  if (commit.revision != next_->revision() + 1) {
+  const auto before = Applied();
+  if (commit.revision != before->revision() + 1) {
     return OutOfStep(
-        absl::StrCat("found revision ", commit.revision, ", need ", next_->revision() + 1));
+        absl::StrCat("found revision ", commit.revision, ", need ", before->revision() + 1));
   }
   SceneDelta delta = commit.delta;
   delta.base_revision.reset();
-  auto scene = next_->Apply(delta, blobs_.scene_limits());
+  auto scene = before->Apply(delta, blobs_.scene_limits());
   if (!scene.ok()) return OutOfStep(std::string(scene.status().message()));
-  next_ = *std::move(scene);
-  if (absl::Status status = Check(*next_, commit.content_hash); !status.ok()) return status;
-  Publish(next_);
-  return absl::OkStatus();
+  return Publish(*std::move(scene), commit.content_hash);
 }
 
-absl::Status MirroredScene::Check(const Scene& scene, const std::string& content_hash) const {
-  if (ToProto(scene.content_hash()) == content_hash) return absl::OkStatus();
-  return OutOfStep(
-      absl::StrCat("found another content hash than the server's at revision ", scene.revision()));
-}
-
-void MirroredScene::Publish(std::shared_ptr<const Scene> scene) {
+absl::Status MirroredScene::Publish(std::shared_ptr<const Scene> scene,
+                                    const std::string& content_hash) {
+  if (ToProto(scene->content_hash()) != content_hash) {
+    return OutOfStep(absl::StrCat("found another content hash than the server's at revision ",
+                                  scene->revision()));
+  }
   std::lock_guard lock(mutex_);
   scene_ = std::move(scene);
+  return absl::OkStatus();
 }
 
 }  // namespace penumbra

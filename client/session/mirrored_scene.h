@@ -1,8 +1,8 @@
 // A client's copy of a scene, kept up with the server's commits, its own and others'.
 //
-//   mirror.Push(scene_update);                 // the reader, in the order of the stream
+//   if (mirror.Push(scene_update)) Post([&] { mirror.CatchUp(); });  // the reader, in order
 //   mirror.PushOwn(delta, revision, hash);
-//   auto scene = mirror.Newest();              // anyone: applies what is waiting
+//   auto scene = mirror.Newest();  // anyone: applies what is waiting
 //
 // Pushing never waits. Applying may, for meshes that have to be fetched.
 #pragma once
@@ -10,6 +10,8 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <stop_token>
 #include <string>
 #include <variant>
 
@@ -24,8 +26,19 @@ class MirroredScene {
  public:
   MirroredScene(const std::string& scene_id, BlobTransfer& blobs);
 
-  void Push(v1::SceneUpdate update);
+  // A change that comes in pieces is put together first: what lies between them may be no scene.
+  // True if a job must CatchUp().
+  bool Push(v1::SceneUpdate update);
   void PushOwn(SceneDelta delta, Revision revision, std::string content_hash);
+
+  // Applies what is waiting until nothing is. One at a time: until it returns Push asks for none.
+  void CatchUp();
+  // Applies own commits, where nothing that may have to be fetched comes before them and nobody is
+  // applying. Never waits.
+  void CatchUpOwn();
+
+  // Gives up what is being fetched, and fetches no more.
+  void Stop() { stop_.request_stop(); }
 
   // The newest scene, once all that was pushed is applied.
   //
@@ -48,20 +61,22 @@ class MirroredScene {
   };
   using Event = std::variant<v1::SceneUpdate, OwnCommit>;
 
+  // With applying_ locked, as for the next two. False: nothing waits, or not one's own.
+  bool ApplyNext(bool own_only);
   absl::Status Apply(const v1::SceneUpdate& update);
   absl::Status Apply(const OwnCommit& commit);
-  absl::Status Check(const Scene& scene, const std::string& content_hash) const;
-  void Publish(std::shared_ptr<const Scene> scene);
+  absl::Status Publish(std::shared_ptr<const Scene> scene, const std::string& content_hash);
 
   BlobTransfer& blobs_;
+  std::stop_source stop_;
 
-  std::mutex applying_;  // held while events are applied; guards the next three
+  std::mutex applying_;  // held while events are applied; guards `status_`
   absl::Status status_;
-  std::shared_ptr<const Scene> next_;  // in the making
-  bool is_continued_ = false;          // `next_` waits for the rest of a change
 
   mutable std::mutex mutex_;  // guards the rest
   std::deque<Event> events_;
+  std::optional<v1::SceneUpdate> pieces_;  // of a change that goes on
+  bool is_catching_up_ = false;            // a job is going to, or does
   bool has_content_ = false;
   Revision pushed_revision_ = 0;  // where the events pushed so far lead to
   std::shared_ptr<const Scene> scene_;

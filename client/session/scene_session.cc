@@ -84,6 +84,7 @@ void SceneSession::End(const absl::Status& reason) {
     std::lock_guard lock(mutex_);
     if (end_reason_.ok()) end_reason_ = reason;
   }
+  mirror_.Stop();
   context_.TryCancel();
 }
 
@@ -152,8 +153,9 @@ absl::StatusOr<Revision> SceneSession::TryCommit(const SceneDelta& delta) {
   Send(request);
   status = Await(commits_, request.commit().commit_id(), answer);
   if (!status.ok()) return status;
-  // The next Snapshot shows this commit. What is wrong with the mirror, if anything, it will say.
-  mirror_.Newest().IgnoreError();
+  // The next commit then knows which meshes this one has brought. What others brought may have to
+  // be fetched, which is for Snapshot to wait for.
+  mirror_.CatchUpOwn();
   return answer->revision;
 }
 
@@ -168,7 +170,10 @@ absl::StatusOr<std::shared_ptr<const Scene>> SceneSession::Snapshot() {
           absl::StrCat(address_, ": the scene did not come in time"));
     }
   }
-  return mirror_.Newest();
+  auto scene = mirror_.Newest();
+  std::lock_guard lock(mutex_);
+  if (!scene.ok() && !end_reason_.ok()) return end_reason_;
+  return scene;
 }
 
 absl::StatusOr<std::unique_ptr<Subscription>> SceneSession::Subscribe(

@@ -31,8 +31,9 @@ bool SceneSession::ReadOne() {
       break;
     case v1::SessionResponse::kSceneUpdate:
       Hear(response_.scene_update().revision());
-      mirror_.Push(std::move(*response_.mutable_scene_update()));
-      turns_.Post([this] { mirror_.Newest().IgnoreError(); });
+      if (mirror_.Push(std::move(*response_.mutable_scene_update()))) {
+        turns_.Post([this] { mirror_.CatchUp(); });
+      }
       break;
     case v1::SessionResponse::kSubscribeResult:
       Receive(response_.subscribe_result());
@@ -193,6 +194,7 @@ void SceneSession::EndAll(const grpc::Status& status) {
     subscribes_.clear();
     changed_.notify_all();
   }
+  mirror_.Stop();
   for (const auto& [id, subscriber] : subscribers) {
     if (subscriber->ReceiveEnd(reason)) PostDelivery(subscriber);
   }

@@ -60,7 +60,6 @@ v1::SceneDelta ToProto(const SceneDelta& delta) {
 
 std::vector<v1::SceneDelta> ToProtoPieces(const SceneDelta& delta, size_t max_bytes) {
   Pieces pieces(max_bytes);
-  // Receivers may stand on instances: they go first when removed and last when put in.
   for (const auto& id : delta.remove_receivers) pieces.For(id.size()).add_remove_receivers(id);
   for (const auto& id : delta.remove_instances) pieces.For(id.size()).add_remove_instances(id);
   for (const auto& id : delta.remove_lights) pieces.For(id.size()).add_remove_lights(id);

@@ -34,7 +34,7 @@ v1::SceneInfo ToProto(const SceneInfo& info);
 SceneInfo InfoOf(const Scene& scene);
 
 // The same as ToProto(delta), in pieces of at most `max_bytes` each (one object at least), to be
-// applied in a row: removals come before upserts. base_revision is left out, and so is
+// put together again: a piece alone may not fit the scene. base_revision is left out, and so is
 // receive_on_planar_surfaces, which no difference between two scenes has.
 std::vector<v1::SceneDelta> ToProtoPieces(const SceneDelta& delta, size_t max_bytes);
 

@@ -181,13 +181,16 @@ class Mirror : public BlobSource {
   void Apply(const v1::SceneUpdate& update) {
     if (update.is_snapshot()) scene = Scene::Empty("studio");
     EXPECT_EQ(update.from_revision(), update.is_snapshot() ? 0 : revision);
-    scene = scene->Apply(FromProto(update.delta(), *this).value()).value();
+    pieces.MergeFrom(update.delta());
     if (update.is_continued()) return;
+    scene = scene->Apply(FromProto(pieces, *this).value()).value();
+    pieces.Clear();
     revision = update.revision();
     EXPECT_EQ(ToProto(scene->content_hash()), update.content_hash());
   }
 
   std::shared_ptr<const Scene> scene = Scene::Empty("studio");
+  v1::SceneDelta pieces;  // of a change that goes on
   uint64_t revision = 0;
 };
 

@@ -134,11 +134,12 @@ TEST(SceneConvertTest, PiecesAreSmallAndAddUp) {
   const SceneBlobs blobs(*scene);
   const auto pieces = ToProtoPieces(content, 4096);
   EXPECT_GT(pieces.size(), 10u);
-  auto copy = Scene::Empty("copy");
+  v1::SceneDelta whole;
   for (const auto& piece : pieces) {
     EXPECT_LE(piece.ByteSizeLong(), 4096u);
-    copy = *copy->Apply(*FromProto(piece, blobs));
+    whole.MergeFrom(piece);
   }
+  const auto copy = *Scene::Empty("copy")->Apply(*FromProto(whole, blobs));
   EXPECT_EQ(copy->content_hash(), scene->content_hash());
   EXPECT_EQ(ToProtoPieces({}, 4096).size(), 1u) << "an empty change is a change";
 }
