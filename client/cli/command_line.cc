@@ -8,6 +8,7 @@
 #include "CLI/Config.hpp"
 #include "CLI/Formatter.hpp"
 #include "absl/strings/str_cat.h"
+#include "client/cli/grammar.h"
 #include "client/cli/light_option.h"
 #include "client/cli/option_error.h"
 #include "client/cli/option_values.h"
@@ -21,56 +22,7 @@ constexpr char kExamples[] =
     "Numbers may be separated by commas or blanks. Lengths are metres, +Y is up.\n"
     "Try: penumbra bake table.glb --floor --out shadows";
 
-// The parser, and the first thing that our own readers of values found wrong.
-class Grammar {
- public:
-  Grammar();
-
-  absl::StatusOr<Command> Parse(const std::vector<std::string>& arguments);
-
- private:
-  template <typename C>
-  CLI::App* AddCommand(C& command, const char* name, const char* summary);
-  void AddEngine(CLI::App* app, EngineChoice& engine, bool server_is_required = false);
-  void AddScene(CLI::App* app, std::filesystem::path& scene);
-  void AddRequest(CLI::App* app, ShadowRequest& request, const char* size_name);
-  void AddLights(CLI::App* app, ShadowRequest& request);
-  void AddTechnique(CLI::App* app, TechniqueParams& params);
-  void AddBake();
-  void AddView();
-  void AddPushAndWatch();
-  void AddListings();
-  void AddDemo();
-  void AddReceivers();
-  void AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_metre);
-
-  // An option of one text, read by `read`; the second may be given several times.
-  using Read = std::function<absl::Status(const std::string&)>;
-  void Add(CLI::App* app, const char* name, const std::string& form, const char* help, Read read);
-  void AddRepeated(CLI::App* app, const char* name, const std::string& form, const char* help,
-                   Read read);
-  template <typename T>
-  void AddTo(CLI::App* app, const char* name, const char* form, const char* help, T& target,
-             absl::StatusOr<T> (*read)(std::string_view option, std::string_view text)) {
-    Add(app, name, form, help, [&target, name, read](const std::string& text) {
-      auto value = read(name, text);
-      if (value.ok()) target = *std::move(value);
-      return value.status();
-    });
-  }
-
-  CLI::App app_{"Shadows as a service: bakes, streams and draws soft shadows.", "penumbra"};
-  absl::Status error_;
-  BakeCommand bake_;
-  ViewCommand view_;
-  PushCommand push_;
-  WatchCommand watch_;
-  TechniquesCommand techniques_;
-  InfoCommand info_;
-  DemoCommand demo_;
-  ReceiversCommand receivers_;
-  Command chosen_;
-};
+}  // namespace
 
 void Grammar::Add(CLI::App* app, const char* name, const std::string& form, const char* help,
                   Read read) {
@@ -86,13 +38,6 @@ void Grammar::AddRepeated(CLI::App* app, const char* name, const std::string& fo
   app->add_option_function<std::vector<std::string>>(name, read_all, help)
       ->allow_extra_args(false)
       ->type_name(form);
-}
-
-template <typename C>
-CLI::App* Grammar::AddCommand(C& command, const char* name, const char* summary) {
-  CLI::App* app = app_.add_subcommand(name, summary);
-  app->final_callback([this, &command] { chosen_ = command; });
-  return app;
 }
 
 void Grammar::AddEngine(CLI::App* app, EngineChoice& engine, bool server_is_required) {
@@ -214,59 +159,6 @@ void Grammar::AddView() {
   app->add_flag("--json", view_.json, "Print what was drawn as JSON");
 }
 
-void Grammar::AddPushAndWatch() {
-  CLI::App* push = AddCommand(push_, "push", "Make a server's scene equal to a file");
-  AddRequest(push, push_.request, "--size");
-  AddEngine(push, push_.engine, true);
-  push->add_option("--scene", push_.scene_id, "The server's scene; made if there is none")
-      ->type_name("ID")
-      ->required();
-  push->add_flag("--json", push_.json, "Print what was sent as JSON");
-
-  CLI::App* watch = AddCommand(watch_, "watch", "Print each update of a server's scene");
-  AddEngine(watch, watch_.engine, true);
-  watch->add_option("--scene", watch_.scene_id, "The server's scene")->type_name("ID")->required();
-  AddTechnique(watch, watch_.params);
-  watch->add_option("--light", watch_.light_ids, "A light (default: all)")
-      ->allow_extra_args(false)
-      ->type_name("ID");
-  watch->add_option("--receiver", watch_.receiver_ids, "A receiver (default: all)")
-      ->allow_extra_args(false)
-      ->type_name("ID");
-  Add(watch, "--time-budget", "MS",
-      "How soon after a commit its first artifact should be there, with as many samples as fit "
-      "(default: whenever 8 samples are counted)",
-      [this](const std::string& text) { return SetTimeBudget(text, watch_.time_budget_ms); });
-  Add(watch, "--camera", "\"eye target [up] [fov_deg]\"",
-      "What is looked at: receivers that fill more of the picture come first",
-      [this](const std::string& text) { return SetCamera(text, watch_.camera); });
-  watch->add_option("--updates", watch_.max_updates, "Stop after N updates")->type_name("N");
-  watch->add_option("--seconds", watch_.max_seconds, "Stop after a time")->type_name("S");
-  watch->add_flag("--json", watch_.json, "One JSON object a line");
-}
-
-void Grammar::AddListings() {
-  CLI::App* techniques = AddCommand(techniques_, "techniques", "List the techniques");
-  AddEngine(techniques, techniques_.engine);
-  techniques->add_flag("--json", techniques_.json, "Print JSON");
-  CLI::App* info = AddCommand(info_, "info", "Say what this program, or a server, is and can do");
-  AddEngine(info, info_.engine);
-  info->add_flag("--json", info_.json, "Print JSON");
-}
-
-void Grammar::AddDemo() {
-  CLI::App* app =
-      AddCommand(demo_, "demo", "Stream a scene to a server, edit it, draw the results");
-  AddScene(app, demo_.scene);
-  AddEngine(app, demo_.engine, true);
-  AddTechnique(app, demo_.params);
-  app->add_option("--out", demo_.out, "Folder for the pictures")->type_name("DIR")->required();
-  AddTo(app, "--texture-size", "WIDTHxHEIGHT", "Texels of each receiver (default 256x256)",
-        demo_.texels, ReadTexels);
-  AddTo(app, "--size", "WIDTHxHEIGHT", "Pixels of the pictures (default 960x640)", demo_.size,
-        ReadPixels);
-}
-
 Grammar::Grammar() {
   app_.require_subcommand(1);
   app_.footer(kExamples);
@@ -297,8 +189,6 @@ absl::StatusOr<Command> Grammar::Parse(const std::vector<std::string>& arguments
   if (!error_.ok()) return error_;
   return chosen_;
 }
-
-}  // namespace
 
 absl::StatusOr<Command> ParseCommandLine(const std::vector<std::string>& arguments) {
   return Grammar().Parse(arguments);

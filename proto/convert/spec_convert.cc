@@ -28,7 +28,7 @@ void Write(const SoftTextureParams& params, v1::ArtifactSpec& proto) {
   parameters.set_count_bits(static_cast<v1::CountBits>(static_cast<int>(params.count_bits) + 1));
 }
 
-// The value that `number` stands for, which the protocol counts from 1; `value` is left as it is for
+// The value that `number` stands for, which the protocol counts from 1; `value` stays as it is for
 // 0. Errors  RANGE: none of `count`
 template <typename Enum>
 absl::Status ReadEnum(int number, size_t count, const char* field, Enum& value) {

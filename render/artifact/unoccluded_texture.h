@@ -4,10 +4,10 @@
 //   UnoccludedTexture factors(light, receiver, 1e-3);
 //   factors.ForEachBlock(stop, [&](const TexelBlock& block, std::span<const float> values) { … });
 //
-// How the error is bounded. A factor is written as F = c(x) S(x). Here c is exact at every texel and
-// has all the kinks: the distance to the plane of a rectangle or disk, 0 behind one that shines from
-// its front alone; a spot's falloff; otherwise 1. S is smooth in the patch's plane, for the part of
-// a light that is above that plane is the same for all of its points:
+// How the error is bounded. A factor is written as F = c(x) S(x). Here c is exact at every texel
+// and has all the kinks: the distance to the plane of a rectangle or disk, 0 behind one that shines
+// from its front alone; a spot's falloff; otherwise 1. S is smooth in the patch's plane, for the
+// part of a light that is above that plane is the same for all of its points:
 //
 //   S(x) = ∫ h(y) / (π r^p) dy,   h: height of y above the plane,
 //
@@ -18,8 +18,8 @@
 //
 // so that |S''| ≤ max |p ((p + 2) cos² ψ − 1)| / r² · S, and S changes within a cell of diagonal D
 // by a factor of at most (1 + D / r_min)^p. Bilinear interpolation in a cell with sides a and b is
-// off by at most (a² max |S_aa| + b² max |S_bb|) / 8. So in relation to F, at every texel, the error
-// is below
+// off by at most (a² max |S_aa| + b² max |S_bb|) / 8. So in relation to F, at every texel, the
+// error is below
 //
 //   (1 + D / r_min)^p (a² m_a + b² m_b) / (8 r_min²),   m = max |p ((p + 2) cos² ψ − 1)|,
 //

@@ -17,8 +17,8 @@ namespace penumbra {
 // Source  Herf 1997, equations 3.1, 4.1 and 4.2
 Vec3 UnoccludedRadiance(const AreaLight& light, Vec3 point, Vec3 normal);
 
-// Its two factors: the radiance, intensity or irradiance that `light` is given with, and what a unit
-// of that does at `point`.
+// Its two factors: the radiance, intensity or irradiance that `light` is given with, and what a
+// unit of that does at `point`.
 Vec3 LightStrength(const AreaLight& light);
 double UnoccludedFactor(const AreaLight& light, DVec3 point, DVec3 normal);
 

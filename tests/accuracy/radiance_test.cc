@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "gtest/gtest.h"
 #include "render/reference/light_integral.h"
 #include "render/scene/unoccluded_light.h"
@@ -76,9 +77,7 @@ TEST_P(RadianceTest, TheTextureOfAnUnoccludedReceiver) {
     const auto scene = Scene::Empty("s")
                            ->Apply({.upsert_lights = {light}, .upsert_receivers = {receiver}})
                            .value();
-    const ArtifactSpec spec{.params = SoftTextureParams{.samples = 4, .radiance = true},
-                            .light_id = "light",
-                            .receiver_id = "receiver"};
+    const ArtifactSpec spec{SoftTextureParams{.samples = 4, .radiance = true}, "light", "receiver"};
     tbb::task_arena arena(1);
     const Artifact artifact =
         TechniqueFor(spec.params).Compute(*scene, spec, {.arena = arena}).value();
@@ -102,7 +101,7 @@ TEST_P(RadianceTest, TheTextureOfAnUnoccludedReceiver) {
     }
   }
   EXPECT_GT(lit, 50);
-  ExpectInLedger(std::string("radiance_texture.") + kKinds[GetParam()] + ".relative_error", worst);
+  ExpectInLedger(absl::StrCat("radiance_texture.", kKinds[GetParam()], ".relative_error"), worst);
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryLight, RadianceTest, ::testing::Range(0, kLightKinds),

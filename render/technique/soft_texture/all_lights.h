@@ -23,7 +23,7 @@ absl::Status CheckAllLights(const Scene& scene, const SoftTextureParams& params)
 // parameter `lights` tells which has how many. Texture.light is black, at no place, and called "*".
 // There are no coarse passes. What `context.memory` keeps is kept for each light.
 //
-// The unorm scale, where none is given, is the sum of the largest unoccluded radiances of the lights.
+// The unorm scale, where none is given, is the sum of the lights' largest unoccluded radiances.
 //
 // Errors  those of the technique
 absl::StatusOr<Artifact> ComputeAllLights(const Technique& technique, const Scene& scene,

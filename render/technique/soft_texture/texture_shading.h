@@ -37,9 +37,9 @@ class TextureShading {
   // them are beyond its edge, and a part of what is seen holds none. So its sum is taken in
   // proportion to the sum over all samples, and times the closed form: what nothing hides is exact.
   //
-  // The texels are rounded to the format asked for. Where no scale of it is given, it is the largest
-  // radiance that the texture would have with nothing in the way, so that occluders may move without
-  // changing it.
+  // The texels are rounded to the format asked for. Where no scale of it is given, it is the
+  // largest radiance that the texture would have with nothing in the way, so that occluders may
+  // move without changing it.
   //
   // Errors  texels not begun when `stop` is requested are black
   // Source  Herf 1997, equations 3.2 and 4.1

@@ -30,19 +30,24 @@ Vec3 AnyNormal(Dice& dice, Vec3 towards) {
   return dice.Below(3) == 0 ? towards : glm::normalize(towards + 1.5f * dice.Direction());
 }
 
-// A patch of 0.3 to 10 m, and a light at any height over it, touching or crossing its plane too.
-Pair RandomPair(Dice& dice, int kind) {
-  Pair pair;
+// Of 0.3 to 10 m, anywhere.
+ReceiverPatch RandomPatch(Dice& dice) {
   const float side = dice.Between(0.3f, 10);
   const Vec3 u = dice.Direction();
   const Vec3 v = glm::normalize(glm::cross(u, dice.Direction())) + dice.Between(-0.5f, 0.5f) * u;
-  pair.receiver = {.patch = {.origin = dice.InCube(3),
-                             .edge_u = side * u,
-                             .edge_v = side * dice.Between(0.3f, 1.5f) * v},
-                   .width = 20 + dice.Below(60),
-                   .height = 20 + dice.Below(60),
-                   .two_sided = dice.Below(2) == 0};
+  return {.patch = {.origin = dice.InCube(3),
+                    .edge_u = side * u,
+                    .edge_v = side * dice.Between(0.3f, 1.5f) * v},
+          .width = 20 + dice.Below(60),
+          .height = 20 + dice.Below(60),
+          .two_sided = dice.Below(2) == 0};
+}
+
+// A patch, and a light of some size at any height over it, touching or crossing its plane too.
+Pair RandomPair(Dice& dice, int kind) {
+  Pair pair{.light = RandomLight(dice, kind), .receiver = RandomPatch(dice)};
   const Parallelogram& patch = pair.receiver.patch;
+  const float side = glm::length(patch.edge_u);
   const Vec3 over = patch.At({dice.Between(-0.5f, 1.5f), dice.Between(-0.5f, 1.5f)});
   const float heights[] = {0.0f, 0.02f, 0.1f, 0.5f, 1.5f, 4.0f};
   const float height = side * heights[dice.Below(6)] * dice.Between(0.5f, 1.5f) *
@@ -51,7 +56,6 @@ Pair RandomPair(Dice& dice, int kind) {
   const float size = side * dice.Between(0.02f, 0.8f);
   const bool two_sided = dice.Below(2) == 0;
   const Vec3 down = AnyNormal(dice, -patch.normal());
-  pair.light = RandomLight(dice, kind);
   if (auto* rectangle = std::get_if<RectangleLight>(&pair.light.shape)) {
     const Vec3 s = glm::normalize(glm::cross(down, dice.Direction()));
     rectangle->edge_u = size * s;
@@ -66,10 +70,7 @@ Pair RandomPair(Dice& dice, int kind) {
     point->position = at;
   } else if (auto* spot = std::get_if<SpotLight>(&pair.light.shape)) {
     const float outer = dice.Between(0.05f, 1.5f);
-    *spot = {.position = at,
-             .direction = down,
-             .inner_angle = outer * dice.Between(0, 0.99f),
-             .outer_angle = outer};
+    *spot = {at, down, spot->intensity, outer * dice.Between(0, 0.99f), outer};
   }
   return pair;
 }

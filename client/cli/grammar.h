@@ -1,0 +1,76 @@
+// The commands and their options, as the argument parser knows them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "CLI/App.hpp"
+#include "absl/status/statusor.h"
+#include "client/cli/commands.h"
+
+namespace penumbra {
+
+// The parser, and the first thing that our own readers of values found wrong.
+class Grammar {
+ public:
+  Grammar();
+
+  absl::StatusOr<Command> Parse(const std::vector<std::string>& arguments);
+
+ private:
+  template <typename C>
+  CLI::App* AddCommand(C& command, const char* name, const char* summary);
+  void AddEngine(CLI::App* app, EngineChoice& engine, bool server_is_required = false);
+  void AddScene(CLI::App* app, std::filesystem::path& scene);
+  void AddRequest(CLI::App* app, ShadowRequest& request, const char* size_name);
+  void AddLights(CLI::App* app, ShadowRequest& request);
+  void AddTechnique(CLI::App* app, TechniqueParams& params);
+  void AddBake();
+  void AddView();
+  void AddPushAndWatch();
+  void AddListings();
+  void AddDemo();
+  void AddReceivers();
+  void AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_metre);
+
+  // An option of one text, read by `read`; the second may be given several times.
+  using Read = std::function<absl::Status(const std::string&)>;
+  void Add(CLI::App* app, const char* name, const std::string& form, const char* help, Read read);
+  void AddRepeated(CLI::App* app, const char* name, const std::string& form, const char* help,
+                   Read read);
+  template <typename T>
+  void AddTo(CLI::App* app, const char* name, const char* form, const char* help, T& target,
+             absl::StatusOr<T> (*read)(std::string_view option, std::string_view text)) {
+    Add(app, name, form, help, [&target, name, read](const std::string& text) {
+      auto value = read(name, text);
+      if (value.ok()) target = *std::move(value);
+      return value.status();
+    });
+  }
+
+  CLI::App app_{"Shadows as a service: bakes, streams and draws soft shadows.", "penumbra"};
+  absl::Status error_;
+  BakeCommand bake_;
+  ViewCommand view_;
+  PushCommand push_;
+  WatchCommand watch_;
+  TechniquesCommand techniques_;
+  InfoCommand info_;
+  DemoCommand demo_;
+  ReceiversCommand receivers_;
+  Command chosen_;
+};
+
+template <typename C>
+CLI::App* Grammar::AddCommand(C& command, const char* name, const char* summary) {
+  CLI::App* app = app_.add_subcommand(name, summary);
+  app->final_callback([this, &command] { chosen_ = command; });
+  return app;
+}
+
+}  // namespace penumbra

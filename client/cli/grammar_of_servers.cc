@@ -1,0 +1,62 @@
+// Commands that work with a server, or ask what there is.
+#include <string>
+
+#include "client/cli/grammar.h"
+#include "client/cli/option_values.h"
+
+namespace penumbra {
+
+void Grammar::AddPushAndWatch() {
+  CLI::App* push = AddCommand(push_, "push", "Make a server's scene equal to a file");
+  AddRequest(push, push_.request, "--size");
+  AddEngine(push, push_.engine, true);
+  push->add_option("--scene", push_.scene_id, "The server's scene; made if there is none")
+      ->type_name("ID")
+      ->required();
+  push->add_flag("--json", push_.json, "Print what was sent as JSON");
+
+  CLI::App* watch = AddCommand(watch_, "watch", "Print each update of a server's scene");
+  AddEngine(watch, watch_.engine, true);
+  watch->add_option("--scene", watch_.scene_id, "The server's scene")->type_name("ID")->required();
+  AddTechnique(watch, watch_.params);
+  watch->add_option("--light", watch_.light_ids, "A light (default: all)")
+      ->allow_extra_args(false)
+      ->type_name("ID");
+  watch->add_option("--receiver", watch_.receiver_ids, "A receiver (default: all)")
+      ->allow_extra_args(false)
+      ->type_name("ID");
+  Add(watch, "--time-budget", "MS",
+      "How soon after a commit its first artifact should be there, with as many samples as fit "
+      "(default: whenever 8 samples are counted)",
+      [this](const std::string& text) { return SetTimeBudget(text, watch_.time_budget_ms); });
+  Add(watch, "--camera", "\"eye target [up] [fov_deg]\"",
+      "What is looked at: receivers that fill more of the picture come first",
+      [this](const std::string& text) { return SetCamera(text, watch_.camera); });
+  watch->add_option("--updates", watch_.max_updates, "Stop after N updates")->type_name("N");
+  watch->add_option("--seconds", watch_.max_seconds, "Stop after a time")->type_name("S");
+  watch->add_flag("--json", watch_.json, "One JSON object a line");
+}
+
+void Grammar::AddListings() {
+  CLI::App* techniques = AddCommand(techniques_, "techniques", "List the techniques");
+  AddEngine(techniques, techniques_.engine);
+  techniques->add_flag("--json", techniques_.json, "Print JSON");
+  CLI::App* info = AddCommand(info_, "info", "Say what this program, or a server, is and can do");
+  AddEngine(info, info_.engine);
+  info->add_flag("--json", info_.json, "Print JSON");
+}
+
+void Grammar::AddDemo() {
+  CLI::App* app =
+      AddCommand(demo_, "demo", "Stream a scene to a server, edit it, draw the results");
+  AddScene(app, demo_.scene);
+  AddEngine(app, demo_.engine, true);
+  AddTechnique(app, demo_.params);
+  app->add_option("--out", demo_.out, "Folder for the pictures")->type_name("DIR")->required();
+  AddTo(app, "--texture-size", "WIDTHxHEIGHT", "Texels of each receiver (default 256x256)",
+        demo_.texels, ReadTexels);
+  AddTo(app, "--size", "WIDTHxHEIGHT", "Pixels of the pictures (default 960x640)", demo_.size,
+        ReadPixels);
+}
+
+}  // namespace penumbra
