@@ -118,7 +118,8 @@ void SceneSession::MakeSubscribers(const v1::SubscribeEachResult& result, Answer
         each(spec, update, traffic);
       };
       auto subscriber = std::make_shared<RemoteSubscriber>(
-          id, std::move(callback), connection_.blobs().scene_limits(), answer.asked_ms);
+          id, std::move(callback), connection_.blobs().scene_limits(), mirror_.pushed_revision(),
+          answer.asked_ms);
       subscribers_[id++] = subscriber;
       answer.made.emplace_back(std::move(spec), std::move(subscriber));
     }
