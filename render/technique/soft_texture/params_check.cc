@@ -56,9 +56,12 @@ std::map<std::string, std::string> EffectiveParameters(const SoftTextureParams& 
                                                        size_t samples) {
   std::map<std::string, std::string> text = {{"samples", absl::StrCat(samples)},
                                              {"seed", absl::StrCat(params.seed)},
-                                             {"radiance", params.radiance ? "true" : "false"}};
+                                             {"radiance", params.radiance ? "true" : "false"},
+                                             {"method", std::string(NameOf(params.method))}};
   if (params.radiance) {
-    text["shading"] = NameOf(kShadingNames, params.shading);
+    // OpenGL adds up the samples whatever is asked for.
+    const bool by_gl = params.method == VisibilityMethod::kGl;
+    text["shading"] = NameOf(kShadingNames, by_gl ? Shading::kSampleSum : params.shading);
     text["form_factor_error"] = absl::StrFormat("%.9g", params.form_factor_error);
     text["ambient"] = Text(params.ambient);
     text["output"] = NameOf(kRadianceFormatNames, params.output);

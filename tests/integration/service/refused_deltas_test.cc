@@ -79,14 +79,6 @@ const RefusedDelta kRefusedDeltas[] = {
        receiver.mutable_parallelogram()->mutable_edge_v()->set_x(2);  // along edge_u
      },
      absl::StatusCode::kInvalidArgument, "ZERO_AREA", "upsert_receivers[0].edge_v"},
-    {"ReceiverWithoutTexels",
-     [](v1::SceneDelta& delta) {
-       auto& receiver = *delta.add_upsert_receivers();
-       receiver.set_id("floor");
-       receiver.mutable_parallelogram();
-       receiver.set_width(0);
-     },
-     absl::StatusCode::kInvalidArgument, "RANGE", "upsert_receivers[0].width"},
     {"ReceiverTooWide",
      [](v1::SceneDelta& delta) {
        auto& receiver = *delta.add_upsert_receivers();

@@ -45,7 +45,7 @@ ReceiverPatch RandomPatch(Dice& dice) {
 
 // A patch, and a light of some size at any height over it, touching or crossing its plane too.
 Pair RandomPair(Dice& dice, int kind) {
-  Pair pair{.light = RandomLight(dice, kind), .receiver = RandomPatch(dice)};
+  Pair pair{.light = {}, .receiver = RandomPatch(dice)};
   const Parallelogram& patch = pair.receiver.patch;
   const float side = glm::length(patch.edge_u);
   const Vec3 over = patch.At({dice.Between(-0.5f, 1.5f), dice.Between(-0.5f, 1.5f)});
@@ -56,6 +56,7 @@ Pair RandomPair(Dice& dice, int kind) {
   const float size = side * dice.Between(0.02f, 0.8f);
   const bool two_sided = dice.Below(2) == 0;
   const Vec3 down = AnyNormal(dice, -patch.normal());
+  pair.light = RandomLight(dice, kind);
   if (auto* rectangle = std::get_if<RectangleLight>(&pair.light.shape)) {
     const Vec3 s = glm::normalize(glm::cross(down, dice.Direction()));
     rectangle->edge_u = size * s;
