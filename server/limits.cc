@@ -14,6 +14,16 @@ v1::Limits ToProto(const ServerLimits& limits) {
   proto.set_max_subscriptions_per_session(limits.max_subscriptions_per_session);
   proto.set_max_sessions(limits.max_sessions);
   proto.set_max_hashes_per_request(limits.max_hashes_per_request);
+  proto.set_max_artifacts_per_scene(limits.max_artifacts_per_scene);
+  proto.set_max_kept_bytes(limits.max_kept_bytes);
+  proto.set_max_credit(limits.max_credit);
+  proto.set_max_idempotency_keys(limits.max_idempotency_keys);
+  proto.set_max_idempotency_key_bytes(limits.max_idempotency_key_bytes);
+  proto.set_max_client_name_bytes(limits.max_client_name_bytes);
+  proto.set_max_queued_replies(limits.max_queued_replies);
+  proto.set_max_transport_message_bytes(limits.max_transport_message_bytes);
+  proto.set_max_metadata_bytes(limits.max_metadata_bytes);
+  proto.set_max_streams_per_connection(limits.max_streams_per_connection);
   return proto;
 }
 

@@ -17,6 +17,11 @@ struct ServerLimits {
 
   // A scene of a few objects takes kilobytes, a full one 100 MB besides its blobs.
   uint32_t max_scenes = 256;
+  // Different ones (technique, parameters, light, receiver) that are followed on one scene. Each has
+  // at most one computation waiting, so this times max_scenes bounds the queue.
+  uint32_t max_artifacts_per_scene = 1'024;
+  // What techniques keep of all artifacts together, to answer edits faster. Over it they keep less.
+  uint64_t max_kept_bytes = uint64_t{256} << 20;
 
   // Either way. A delta of 8,000 instances fits; one tile of counts and radiance takes 64 KB at
   // most.
@@ -24,10 +29,12 @@ struct ServerLimits {
   // gRPC ends the call at its own limit, so this is higher: up to here the session lives on and
   // says which limit was passed.
   uint32_t max_transport_message_bytes = 4u << 20;
-  // Elements are sub-messages, strings and byte fields. Protobuf spends about 150 bytes on an empty
-  // one that takes 2 bytes on the wire; an honest message has 25 bytes an element and more.
-  uint32_t min_bytes_per_element = 16;
-  uint32_t always_allowed_elements = 66'000;  // 10 MB when parsed; a full scene's removals
+  // What a message may take in memory once it is parsed, for each of its bytes. Protobuf spends 150
+  // bytes and more on an empty sub-message that takes 2; the worst of honest messages, the removal
+  // of a full scene by the shortest ids, takes 13.
+  uint32_t parsed_bytes_per_byte = 20;
+  // However short the message is: 16,000 sub-messages.
+  uint32_t always_allowed_parsed_bytes = 2u << 20;
 
   // The largest mesh that the scene's limits allow, with normals and uvs, takes 704 MB.
   uint64_t max_blob_bytes = uint64_t{1} << 30;
@@ -37,8 +44,9 @@ struct ServerLimits {
   uint32_t max_hashes_per_request = 16'384;
   // A blob that was asked for or uploaded is kept this long without a scene that uses it.
   std::chrono::seconds unused_blob_lifetime{60};
-  // An upload that sends nothing for so long is dropped.
-  std::chrono::seconds upload_idle_timeout{30};
+  // An upload that sends nothing for so long is dropped, and a download that does not take one
+  // message in.
+  std::chrono::seconds transfer_idle_timeout{30};
 
   // Each keeps one message of 1 MiB at most in flight.
   uint32_t max_sessions = 1'024;
@@ -49,6 +57,7 @@ struct ServerLimits {
   size_t max_queued_replies = 64;
   // For answering repeated commits, per scene; 100 bytes each.
   size_t max_idempotency_keys = 1'024;
+  uint32_t max_idempotency_key_bytes = 64;
   uint32_t max_client_name_bytes = 256;
 
   // Half a TLS handshake or HTTP/2 preface, then silence.

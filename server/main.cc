@@ -7,13 +7,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <string>
-#include <system_error>
 #include <thread>
 
 #include "google/protobuf/stubs/logging.h"
+#include "server/address_file.h"
 #include "server/penumbra_server.h"
 #include "server/server_identity.h"
 
@@ -51,19 +49,6 @@ void SilenceLibraries() {
   google::protobuf::SetLogHandler(nullptr);
 }
 
-bool WriteAddress(const std::string& file, const std::string& address) {
-  std::ofstream out(file);
-  out << address << "\n" << std::flush;
-  return out.good();
-}
-
-// A file only: the address may go to a terminal or a pipe.
-void RemoveAddress(const std::string& file) {
-  std::error_code error;
-  const auto status = std::filesystem::symlink_status(file, error);
-  if (std::filesystem::is_regular_file(status)) std::filesystem::remove(file, error);
-}
-
 int Fail(const std::string& message) {
   std::fprintf(stderr, "penumbrad: %s\n", message.c_str());
   return EXIT_FAILURE;
@@ -71,12 +56,12 @@ int Fail(const std::string& message) {
 
 int Serve(const CommandLine& command) {
   const sigset_t signals = BlockEndingSignals();
-  // That of an earlier server would send clients nowhere.
-  RemoveAddress(command.address_file);
+  AddressFile address_file(command.address_file);
+  address_file.RemoveIfDead();
   auto server = PenumbraServer::Start(command.server);
   if (!server.ok()) return Fail(std::string(server.status().message()));
-  if (!command.address_file.empty() && !WriteAddress(command.address_file, (*server)->address())) {
-    return Fail("address-file: cannot write " + command.address_file + ", need a writable file");
+  if (const auto status = address_file.Write((*server)->address()); !status.ok()) {
+    return Fail(std::string(status.message()));
   }
   std::fprintf(stderr, "penumbrad: %sGL: %s\n", (*server)->is_degraded() ? "degraded, " : "",
                (*server)->gl_summary().c_str());
@@ -87,8 +72,8 @@ int Serve(const CommandLine& command) {
   std::fprintf(stderr, "penumbrad: %s, draining for at most %d s\n", strsignal(first),
                command.drain_seconds);
   std::thread([signals] { _exit(128 + WaitFor(signals)); }).detach();
+  address_file.Remove();  // while the address is still this server's
   (*server)->Shutdown(std::chrono::seconds(command.drain_seconds));
-  RemoveAddress(command.address_file);
   return EXIT_SUCCESS;
 }
 
@@ -108,8 +93,9 @@ void AddOptions(CLI::App& app, CommandLine& command) {
                  "How long calls may take to end after SIGTERM; a second SIGTERM ends at once")
       ->check(CLI::Range(0, 3600))
       ->capture_default_str();
-  app.add_option("--address-file", command.address_file,
-                 "Write the address to this file once the server listens; removed when it ends");
+  app.add_option(
+      "--address-file", command.address_file,
+      "Write the address to this file once the server listens; removed when it stops listening");
   app.set_version_flag("--version", kServerName);
 }
 

@@ -32,8 +32,10 @@ using GlWorker = absl::StatusOr<std::unique_ptr<gl::Worker>>;
 // `gl_worker` outlives the engine.
 LocalEngineOptions EngineOptions(const ServerOptions& options, const GlWorker& gl_worker) {
   return {.cpu_threads = options.threads,
+          .max_kept_bytes = options.limits.max_kept_bytes,
           .scene_limits = options.limits.scene,
           .max_scenes = options.limits.max_scenes,
+          .max_artifacts_per_scene = options.limits.max_artifacts_per_scene,
           .now_ms = SteadyNowMs,
           .gl_worker = [&gl_worker]() -> absl::StatusOr<gl::Worker*> {
             if (!gl_worker.ok()) return gl_worker.status();

@@ -11,6 +11,7 @@
 #include "client/cli/output_files.h"
 #include "client/cli/run_command.h"
 #include "client/cli/shadow_plan.h"
+#include "client/session/commit_in_parts.h"
 #include "client/session/steady_clock.h"
 
 namespace penumbra {
@@ -117,7 +118,7 @@ absl::Status Run(const BakeCommand& command, const Console& console, std::stop_t
   if (!engine.ok()) return engine.status();
   const auto scene = TemporaryScene::Create(**engine, "bake");
   if (!scene.ok()) return scene.status();
-  const auto revision = (*engine)->Commit(scene->id(), plan->delta);
+  const auto revision = CommitInParts(**engine, scene->id(), plan->delta);
   if (!revision.ok()) return revision.status();
   const auto baked = BakeAll(command, *plan, **engine, scene->id(), console, stop);
   if (!baked.ok()) return baked.status();

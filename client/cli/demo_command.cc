@@ -13,6 +13,7 @@
 #include "client/cli/scene_edit.h"
 #include "client/cli/shadow_board.h"
 #include "client/cli/shadow_plan.h"
+#include "client/session/commit_in_parts.h"
 #include "client/session/steady_clock.h"
 
 namespace penumbra {
@@ -71,7 +72,7 @@ absl::Status Demonstration::Begin(const ShadowPlan& plan, const Camera& camera) 
   draw_ = {.size = command_.size, .camera = camera};
 
   const double start_ms = NowMs();
-  const auto revision = engine_.Commit(scene_id_, plan.delta);
+  const auto revision = CommitInParts(engine_, scene_id_, plan.delta);
   if (!revision.ok()) return revision.status();
   const double committed_ms = NowMs();
   std::vector<ArtifactSpec> specs;

@@ -6,6 +6,7 @@
 #include "client/cli/replace_scene.h"
 #include "client/cli/run_command.h"
 #include "client/cli/shadow_plan.h"
+#include "client/session/commit_in_parts.h"
 #include "client/session/remote_engine.h"
 #include "client/session/steady_clock.h"
 
@@ -53,7 +54,7 @@ absl::Status Run(const PushCommand& command, const Console& console, std::stop_t
   // A lamp or a patch that others added goes too: the scene is the file's afterwards.
   const SceneDelta delta = ReplacementDelta(**present, plan->delta);
   absl::StatusOr<Revision> revision = (*present)->revision();
-  if (!delta.empty()) revision = (*engine)->Commit(command.scene_id, delta);
+  if (!delta.empty()) revision = CommitInParts(**engine, command.scene_id, delta);
   if (!revision.ok()) return revision.status();
 
   const UploadTraffic traffic = (*engine)->upload_traffic();

@@ -13,6 +13,7 @@
 #include "client/cli/output_files.h"
 #include "client/cli/run_command.h"
 #include "client/cli/shadow_plan.h"
+#include "client/session/commit_in_parts.h"
 #include "client/session/steady_clock.h"
 
 namespace penumbra {
@@ -106,7 +107,7 @@ absl::Status Run(const ViewCommand& command, const Console& console, std::stop_t
   if (!engine.ok()) return engine.status();
   const auto temporary = TemporaryScene::Create(**engine, "view");
   if (!temporary.ok()) return temporary.status();
-  const auto revision = (*engine)->Commit(temporary->id(), plan->delta);
+  const auto revision = CommitInParts(**engine, temporary->id(), plan->delta);
   if (!revision.ok()) return revision.status();
   const auto shadows = Receive(**engine, temporary->id(), *plan, request.params, console, stop);
   if (!shadows.ok()) return shadows.status();

@@ -78,7 +78,7 @@ std::string UpdatePrinter::Line(const ArtifactSpec& spec, const ArtifactUpdate& 
 void UpdatePrinter::Print(const ArtifactSpec& spec, const ArtifactUpdate& update,
                           const UpdateTraffic& traffic) {
   std::lock_guard lock(mutex_);
-  if (absl::IsUnavailable(update.status)) ended_.Update(update.status);
+  if (traffic.is_last) ended_.Update(update.status);
   const bool is_over = command_.max_updates > 0 && count_ >= command_.max_updates;
   if (is_over || !ended_.ok()) {
     changed_.notify_all();

@@ -26,6 +26,7 @@ absl::StatusOr<bool> RemoteSubscriber::Receive(const v1::ArtifactUpdate& message
 
 bool RemoteSubscriber::ReceiveEnd(const absl::Status& reason) {
   std::lock_guard lock(mutex_);
+  waiting_traffic_.is_last = true;
   return Offer({.revision = newest_revision_, .status = reason, .artifact = nullptr});
 }
 

@@ -13,6 +13,7 @@ struct UpdateTraffic {
   // Steady clock, when this client heard of the revision, or asked for the artifact, whichever came
   // later: what lies between is computing and sending.
   double since_ms = 0.0;
+  bool is_last = false;  // the subscription is over, whatever for: no update follows
 };
 
 // Since the connection was made.

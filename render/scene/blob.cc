@@ -1,5 +1,6 @@
 #include "render/scene/blob.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -21,24 +22,37 @@ constexpr uint32_t kVersion = 1;
 constexpr uint32_t kHasNormals = 1;
 constexpr uint32_t kHasUvs = 2;
 
-class Writer {
- public:
-  explicit Writer(size_t size) { bytes_.reserve(size); }
+using Header = std::vector<uint32_t>;
+using Parts = std::vector<std::span<const std::byte>>;
 
-  template <typename T>
-  void Put(const std::vector<T>& values) {
-    PutBytes(values.data(), values.size() * sizeof(T));
-  }
-  void Put(uint32_t value) { PutBytes(&value, sizeof(value)); }
-  void PutBytes(const void* data, size_t size) {
-    const auto* begin = static_cast<const std::byte*>(data);
-    bytes_.insert(bytes_.end(), begin, begin + size);
-  }
-  std::vector<std::byte> Take() { return std::move(bytes_); }
+Header HeaderOf(const MeshGeometry& mesh) {
+  return {kMeshMagic, kVersion, static_cast<uint32_t>(mesh.positions.size()),
+          static_cast<uint32_t>(mesh.indices.size()),
+          (mesh.normals.empty() ? 0 : kHasNormals) | (mesh.uvs.empty() ? 0 : kHasUvs)};
+}
+Header HeaderOf(const AlphaMask& mask) {
+  return {kMaskMagic, kVersion, mask.width(), mask.height()};
+}
 
- private:
-  std::vector<std::byte> bytes_;
-};
+// Of what follows the header.
+Parts PartsOf(const MeshGeometry& mesh) {
+  return {std::as_bytes(std::span(mesh.positions)), std::as_bytes(std::span(mesh.normals)),
+          std::as_bytes(std::span(mesh.uvs)), std::as_bytes(std::span(mesh.indices))};
+}
+Parts PartsOf(const AlphaMask& mask) { return {std::as_bytes(std::span(mask.alpha()))}; }
+
+template <typename T>
+std::vector<std::byte> Encode(const T& content) {
+  const Header header = HeaderOf(content);
+  const auto head = std::as_bytes(std::span(header));
+  const Parts parts = PartsOf(content);
+  size_t size = head.size();
+  for (const auto part : parts) size += part.size();
+  std::vector<std::byte> bytes(size);
+  std::byte* out = std::copy(head.begin(), head.end(), bytes.data());
+  for (const auto part : parts) out = std::copy(part.begin(), part.end(), out);
+  return bytes;
+}
 
 class Reader {
  public:
@@ -105,28 +119,36 @@ absl::StatusOr<BlobContent> DecodeMask(Reader reader, const SceneLimits& limits)
 
 }  // namespace
 
-std::vector<std::byte> EncodeBlob(const MeshGeometry& mesh) {
-  Writer writer(20 + mesh.positions.size() * 32 + mesh.indices.size() * 4);
-  writer.Put(kMeshMagic);
-  writer.Put(kVersion);
-  writer.Put(static_cast<uint32_t>(mesh.positions.size()));
-  writer.Put(static_cast<uint32_t>(mesh.indices.size()));
-  writer.Put((mesh.normals.empty() ? 0 : kHasNormals) | (mesh.uvs.empty() ? 0 : kHasUvs));
-  writer.Put(mesh.positions);
-  writer.Put(mesh.normals);
-  writer.Put(mesh.uvs);
-  writer.Put(mesh.indices);
-  return writer.Take();
+std::vector<std::byte> EncodeBlob(const MeshGeometry& mesh) { return Encode(mesh); }
+
+std::vector<std::byte> EncodeBlob(const AlphaMask& mask) { return Encode(mask); }
+
+EncodedBlob::EncodedBlob(BlobContent content) : content_(std::move(content)) {
+  const auto lay_out = [this](const auto& blob) {
+    header_ = HeaderOf(blob);
+    parts_ = PartsOf(blob);
+  };
+  if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&content_)) {
+    lay_out((*mesh)->geometry());
+  } else {
+    lay_out(*std::get<std::shared_ptr<const AlphaMask>>(content_));
+  }
+  parts_.insert(parts_.begin(), std::as_bytes(std::span(header_)));
+  for (const auto part : parts_) size_ += part.size();
 }
 
-std::vector<std::byte> EncodeBlob(const AlphaMask& mask) {
-  Writer writer(16 + mask.alpha().size());
-  writer.Put(kMaskMagic);
-  writer.Put(kVersion);
-  writer.Put(mask.width());
-  writer.Put(mask.height());
-  writer.PutBytes(mask.alpha().data(), mask.alpha().size());
-  return writer.Take();
+void EncodedBlob::CopyTo(std::byte* out, size_t from, size_t count) const {
+  for (const auto part : parts_) {
+    if (from >= part.size()) {
+      from -= part.size();
+      continue;
+    }
+    const size_t here = std::min(count, part.size() - from);
+    if (here != 0) std::memcpy(out, part.data() + from, here);
+    out += here;
+    count -= here;
+    from = 0;
+  }
 }
 
 absl::StatusOr<BlobContent> DecodeBlob(std::span<const std::byte> bytes,

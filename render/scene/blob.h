@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <variant>
@@ -24,6 +25,26 @@ std::vector<std::byte> EncodeBlob(const MeshGeometry& mesh);
 std::vector<std::byte> EncodeBlob(const AlphaMask& mask);
 
 using BlobContent = std::variant<std::shared_ptr<const Mesh>, std::shared_ptr<const AlphaMask>>;
+
+// The bytes that EncodeBlob gives, read out of the content where it lies. Holds the content.
+//
+//   EncodedBlob blob(content);
+//   for (size_t at = 0; at < blob.size(); at += n) blob.CopyTo(chunk, at, n);
+class EncodedBlob {
+ public:
+  explicit EncodedBlob(BlobContent content);
+  EncodedBlob(EncodedBlob&&) = default;  // not copied: the parts point into it
+
+  size_t size() const { return size_; }
+  // Bytes [from, from + count), all of them within the blob.
+  void CopyTo(std::byte* out, size_t from, size_t count) const;
+
+ private:
+  BlobContent content_;
+  std::vector<uint32_t> header_;
+  std::vector<std::span<const std::byte>> parts_;  // in their order, the header first
+  size_t size_ = 0;
+};
 
 // Errors  kInvalidArgument, reasons LENGTH, BLOB_FORMAT and those of Mesh::Create and
 //         AlphaMask::Create; sizes are checked against `bytes` before anything is allocated.

@@ -21,10 +21,10 @@ class Checker {
 
   absl::Status status() const { return status_; }
 
-  void Fail(const char* reason, const char* field, std::string found_and_need) {
+  void Fail(const char* reason, const char* field, std::string found_and_need,
+            absl::StatusCode code = absl::StatusCode::kInvalidArgument) {
     if (!status_.ok()) return;
-    status_ = FieldError(absl::StatusCode::kInvalidArgument, reason,
-                         absl::StrCat(path_, ".", field), found_and_need);
+    status_ = FieldError(code, reason, absl::StrCat(path_, ".", field), found_and_need);
   }
   void Id(const std::string& id) {
     if (status_.ok()) status_ = CheckId(id, absl::StrCat(path_, ".id"));
@@ -71,7 +71,11 @@ class Checker {
   }
   void Radius(float radius) {
     Finite("radius", radius);
-    if (!(radius > 0 && radius <= limits_.max_coordinate)) {
+    if (radius > limits_.max_coordinate) {
+      Fail("OUT_OF_BOUNDS", "radius",
+           absl::StrCat("found ", radius, ", need at most ", limits_.max_coordinate));
+    }
+    if (!(radius > 0)) {
       Fail("ZERO_AREA", "radius",
            absl::StrCat("found ", radius, ", need > 0; a light without size is a point light"));
     }
@@ -173,9 +177,10 @@ void CheckGrid(const Receiver& receiver, Checker& check) {
   const uint64_t width = receiver.width > 0 ? receiver.width : most;
   const uint64_t height = receiver.height > 0 ? receiver.height : most;
   if (width * height > limits.max_receiver_texels) {
-    check.Fail("TOO_LARGE", "width",
+    check.Fail("QUOTA_TEXELS", "width",
                absl::StrCat("found ", width, " by ", height, " texels, need at most ",
-                            limits.max_receiver_texels, " in all"));
+                            limits.max_receiver_texels, " in all"),
+               absl::StatusCode::kResourceExhausted);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "server/scene_store/blob_store.h"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 #include <variant>
 
@@ -17,18 +18,19 @@ ContentHash HashOf(const BlobContent& content) {
   return std::visit([](const auto& blob) { return blob->id(); }, content);
 }
 
-std::vector<std::byte> BytesOf(const BlobContent& content) {
-  const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&content);
-  return mesh ? EncodeBlob((*mesh)->geometry())
-              : EncodeBlob(*std::get<std::shared_ptr<const AlphaMask>>(content));
-}
-
 bool IsInUse(const BlobContent& content) {
   return std::visit([](const auto& blob) { return blob.use_count() > 1; }, content);
 }
 
 absl::Status Invalid(const char* reason, const char* field, const std::string& text) {
   return FieldError(absl::StatusCode::kInvalidArgument, reason, field, text);
+}
+
+// What the limits allow may still be more than the machine has.
+absl::Status OutOfMemory(uint64_t size) {
+  return FieldError(absl::StatusCode::kResourceExhausted, "OUT_OF_MEMORY", "data",
+                    "found too little memory for a blob of " + std::to_string(size) +
+                        " bytes, need a smaller one or less in the store");
 }
 
 absl::Status OverQuota(const char* what, uint64_t found, uint64_t limit) {
@@ -67,9 +69,13 @@ absl::Status BlobStore::Upload::Append(const std::string& data) {
                    "found " + std::to_string(bytes_.size() + data.size()) +
                        " bytes, need the announced " + std::to_string(size_));
   }
-  if (bytes_.empty()) bytes_.reserve(std::min(size_, kFirstAllocation));
   const auto* begin = reinterpret_cast<const std::byte*>(data.data());
-  bytes_.insert(bytes_.end(), begin, begin + data.size());
+  try {
+    if (bytes_.empty()) bytes_.reserve(std::min(size_, kFirstAllocation));
+    bytes_.insert(bytes_.end(), begin, begin + data.size());
+  } catch (const std::bad_alloc&) {
+    return OutOfMemory(size_);
+  }
   return absl::OkStatus();
 }
 
@@ -79,6 +85,14 @@ absl::StatusOr<BlobContent> BlobStore::Upload::Finish() {
                    "found " + std::to_string(bytes_.size()) + " bytes, need the announced " +
                        std::to_string(size_));
   }
+  try {
+    return Decode();
+  } catch (const std::bad_alloc&) {
+    return OutOfMemory(size_);
+  }
+}
+
+absl::StatusOr<BlobContent> BlobStore::Upload::Decode() {
   auto content = DecodeBlob(bytes_, store_.limits_.scene);
   if (!content.ok()) return content.status();
   std::vector<std::byte>().swap(bytes_);
@@ -148,22 +162,10 @@ std::shared_ptr<const AlphaMask> BlobStore::FindMask(const ContentHash& hash) co
   return mask ? *mask : nullptr;
 }
 
-std::shared_ptr<const std::vector<std::byte>> BlobStore::Encoded(const ContentHash& hash) const {
-  BlobContent content;
-  {
-    std::lock_guard lock(mutex_);
-    const Entry* entry = Find(hash);
-    if (!entry) return nullptr;
-    if (auto bytes = entry->encoded.lock()) return bytes;
-    content = entry->content;  // in use until it is encoded, so its entry stays
-  }
-  auto bytes = std::make_shared<const std::vector<std::byte>>(BytesOf(content));
+std::optional<BlobContent> BlobStore::FindBlob(const ContentHash& hash) const {
   std::lock_guard lock(mutex_);
   const Entry* entry = Find(hash);
-  if (!entry) return bytes;
-  if (auto first = entry->encoded.lock()) return first;
-  entry->encoded = bytes;
-  return bytes;
+  return entry ? std::optional(entry->content) : std::nullopt;
 }
 
 size_t BlobStore::blob_count() const {

@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,13 +38,15 @@ class BlobStore : public BlobSource {
     Upload& operator=(const Upload&) = delete;
 
     bool is_complete() const { return bytes_.size() == size_; }
-    // Errors  kInvalidArgument LENGTH: more than was announced
+    // Errors  kInvalidArgument LENGTH: more than was announced; kResourceExhausted OUT_OF_MEMORY
     absl::Status Append(const std::string& data);
-    // Errors  kInvalidArgument LENGTH: less than was announced; HASH_MISMATCH; those of DecodeBlob
+    // Errors  kInvalidArgument LENGTH: less than was announced; HASH_MISMATCH; those of DecodeBlob;
+    //         kResourceExhausted OUT_OF_MEMORY
     absl::StatusOr<BlobContent> Finish();
 
    private:
     friend class BlobStore;
+    absl::StatusOr<BlobContent> Decode();
     Upload(BlobStore& store, const ContentHash& hash, uint64_t size)
         : store_(store), hash_(hash), size_(size) {}
 
@@ -61,9 +64,8 @@ class BlobStore : public BlobSource {
   std::shared_ptr<const Mesh> FindMesh(const ContentHash& hash) const override;
   std::shared_ptr<const AlphaMask> FindMask(const ContentHash& hash) const override;
 
-  // The blob as it travels, shared by all who ask for it while somebody holds it; null where there
-  // is none. Takes as long as encoding does.
-  std::shared_ptr<const std::vector<std::byte>> Encoded(const ContentHash& hash) const;
+  // Whatever it is. It stays here, and is counted, as long as somebody holds it.
+  std::optional<BlobContent> FindBlob(const ContentHash& hash) const;
 
   size_t blob_count() const;
   uint64_t blob_bytes() const;  // uploads in progress included
@@ -71,7 +73,6 @@ class BlobStore : public BlobSource {
  private:
   struct Entry {
     BlobContent content;
-    mutable std::weak_ptr<const std::vector<std::byte>> encoded;
     uint64_t bytes = 0;
     std::chrono::steady_clock::time_point used;
   };

@@ -9,12 +9,11 @@
 namespace penumbra {
 namespace {
 
-constexpr size_t kMaxKeyBytes = 64;
-
-absl::Status CheckKey(const std::string& key) {
-  if (key.size() > kMaxKeyBytes) {
+absl::Status CheckKey(const std::string& key, uint32_t max_bytes) {
+  if (key.size() > max_bytes) {
     return FieldError(absl::StatusCode::kInvalidArgument, "BAD_ID", "idempotency_key",
-                      "found " + std::to_string(key.size()) + " bytes, need at most 64");
+                      "found " + std::to_string(key.size()) + " bytes, need at most " +
+                          std::to_string(max_bytes));
   }
   return CheckId(key, "idempotency_key");
 }
@@ -67,25 +66,27 @@ absl::StatusOr<WatchedScene> SceneStore::Watch(const std::string& scene_id,
   return WatchedScene{*std::move(scene), (*entry)->incarnation};
 }
 
+SceneStore::Recalled SceneStore::FirstAnswer(const std::string& scene_id,
+                                             const std::string& idempotency_key,
+                                             const ContentHash& fingerprint) {
+  const auto found = Find(scene_id);
+  if (!found.ok()) return found.status();
+  std::lock_guard lock((*found)->mutex);
+  return Recall(**found, idempotency_key, fingerprint);
+}
+
 absl::StatusOr<CommitOutcome> SceneStore::Commit(const std::string& scene_id,
                                                  const CommitRequest& request,
                                                  const SceneWatcher* author) {
   const bool has_key = !request.idempotency_key.empty();
-  if (has_key) {
-    if (auto status = CheckKey(request.idempotency_key); !status.ok()) return status;
-  }
   const auto found = Find(scene_id);
   if (!found.ok()) return found.status();
   Entry& entry = **found;
   std::lock_guard lock(entry.mutex);
-  if (const auto first = entry.answers.find(request.idempotency_key);
-      has_key && first != entry.answers.end()) {
-    if (first->second.fingerprint == request.fingerprint) {
-      return CommitOutcome{first->second.revision, first->second.content_hash, nullptr};
-    }
-    return FieldError(
-        absl::StatusCode::kInvalidArgument, "REQUEST_ID_REUSED", "idempotency_key",
-        "found '" + request.idempotency_key + "', which stands for another delta, need a new key");
+  if (has_key) {
+    const auto first = Recall(entry, request.idempotency_key, request.fingerprint);
+    if (!first.ok()) return first.status();
+    if (*first) return **first;
   }
   const auto revision = engine_.Commit(scene_id, request.delta);
   if (!revision.ok()) return revision.status();
@@ -108,6 +109,18 @@ absl::StatusOr<std::shared_ptr<SceneStore::Entry>> SceneStore::Find(const std::s
   return FieldError(
       absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
       "found '" + scene_id.substr(0, limits_.scene.max_id_bytes) + "', need the id of a scene");
+}
+
+SceneStore::Recalled SceneStore::Recall(const Entry& entry, const std::string& key,
+                                        const ContentHash& fingerprint) const {
+  if (auto status = CheckKey(key, limits_.max_idempotency_key_bytes); !status.ok()) return status;
+  const auto first = entry.answers.find(key);
+  if (first == entry.answers.end()) return std::nullopt;
+  if (first->second.fingerprint == fingerprint) {
+    return CommitOutcome{first->second.revision, first->second.content_hash, nullptr};
+  }
+  return FieldError(absl::StatusCode::kInvalidArgument, "REQUEST_ID_REUSED", "idempotency_key",
+                    "found '" + key + "', which stands for another delta, need a new key");
 }
 
 void SceneStore::Remember(Entry& entry, const CommitRequest& request, const Scene& scene) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,12 @@ class SceneStore {
   absl::StatusOr<WatchedScene> Watch(const std::string& scene_id,
                                      std::weak_ptr<SceneWatcher> watcher);
 
+  // How the first commit with this key was answered; none where there has been none.
+  // Errors  kNotFound; kInvalidArgument REQUEST_ID_REUSED, BAD_ID
+  absl::StatusOr<std::optional<CommitOutcome>> FirstAnswer(const std::string& scene_id,
+                                                           const std::string& idempotency_key,
+                                                           const ContentHash& fingerprint);
+
   // Watchers other than `author` are told of the new scene.
   // Errors  those of Engine::Commit; kInvalidArgument REQUEST_ID_REUSED, BAD_ID
   absl::StatusOr<CommitOutcome> Commit(const std::string& scene_id, const CommitRequest& request,
@@ -75,20 +82,23 @@ class SceneStore {
   }
 
  private:
-  struct FirstAnswer {
+  struct Answer {
     ContentHash fingerprint;
     Revision revision = 0;
     ContentHash content_hash;
   };
+  using Recalled = absl::StatusOr<std::optional<CommitOutcome>>;
   struct Entry {
     uint64_t incarnation = 0;
     std::mutex mutex;  // one commit at a time, so that watchers hear of them in order
     std::vector<std::weak_ptr<SceneWatcher>> watchers;
-    std::map<std::string, FirstAnswer> answers;  // by idempotency key
-    std::deque<std::string> answer_order;        // oldest first
+    std::map<std::string, Answer> answers;  // by idempotency key
+    std::deque<std::string> answer_order;   // oldest first
   };
 
   absl::StatusOr<std::shared_ptr<Entry>> Find(const std::string& scene_id);
+  // With the entry's mutex locked, as for the next.
+  Recalled Recall(const Entry& entry, const std::string& key, const ContentHash& fingerprint) const;
   void Remember(Entry& entry, const CommitRequest& request, const Scene& scene);
 
   Engine& engine_;

@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "proto/convert/geometry_convert.h"
 #include "proto/convert/status_convert.h"
 #include "render/math/hand_over.h"
+#include "render/scene/blob.h"
 #include "render/scene/field_error.h"
+#include "server/service/idle_timer.h"
 #include "server/service/penumbra_service.h"
 #include "server/session/bounded_parse.h"
 #include "server/session/wire_message.h"
@@ -19,8 +21,10 @@ constexpr size_t kEnvelopeBytes = 64;
 
 class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
  public:
-  explicit DownloadReactor(const ServiceParts& parts)
-      : parts_(parts), chunk_bytes_(parts.sessions.limits.max_message_bytes - kEnvelopeBytes) {}
+  DownloadReactor(const ServiceParts& parts, grpc::CallbackServerContext* context)
+      : parts_(parts),
+        chunk_bytes_(parts.sessions.limits.max_message_bytes - kEnvelopeBytes),
+        timer_(IdleTimer::Start(context, parts.sessions.limits.transfer_idle_timeout)) {}
 
   void Start(const grpc::ByteBuffer& request) {
     v1::DownloadBlobRequest message;
@@ -29,22 +33,25 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
     }
     const auto hash = HashFromProto(message.hash(), "hash");
     if (!hash.ok()) return End(ToGrpcStatus(hash.status()));
-    parts_.blob_workers.Post([this, hash = *hash] {
-      bytes_ = parts_.sessions.blobs.Encoded(hash);
-      if (bytes_) return SendNext();
-      End(ToGrpcStatus(FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "hash",
-                                  "found " + hash.hex() + ", need a stored blob")));
-    });
+    auto content = parts_.sessions.blobs.FindBlob(*hash);
+    if (!content) {
+      return End(ToGrpcStatus(FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "hash",
+                                         "found " + hash->hex() + ", need a stored blob")));
+    }
+    blob_.emplace(*std::move(content));
+    SendNext();
   }
 
   void OnWriteDone(bool ok) override {
     callbacks_.Take();
+    timer_->Touch();
     if (!ok) return End(grpc::Status::CANCELLED);
     SendNext();
   }
 
   void OnDone() override {
     callbacks_.Take();
+    timer_->Stop();
     delete this;
   }
 
@@ -55,11 +62,13 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   }
 
   void SendNext() {
-    if (sent_ == bytes_->size()) return End(grpc::Status::OK);
-    const size_t size = std::min(chunk_bytes_, bytes_->size() - sent_);
+    if (sent_ == blob_->size()) return End(grpc::Status::OK);
+    const size_t size = std::min(chunk_bytes_, blob_->size() - sent_);
     v1::DownloadBlobResponse response;
-    if (sent_ == 0) response.set_size_bytes(bytes_->size());
-    response.set_data(bytes_->data() + sent_, size);
+    if (sent_ == 0) response.set_size_bytes(blob_->size());
+    std::string& data = *response.mutable_data();
+    data.resize(size);
+    blob_->CopyTo(reinterpret_cast<std::byte*>(data.data()), sent_, size);
     sent_ += size;
     message_ = ToBytes(response);
     callbacks_.Give();
@@ -69,16 +78,17 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   const ServiceParts& parts_;
   const size_t chunk_bytes_;
-  std::shared_ptr<const std::vector<std::byte>> bytes_;  // however slowly the client reads
+  const std::shared_ptr<IdleTimer> timer_;
+  std::optional<EncodedBlob> blob_;
   size_t sent_ = 0;
   grpc::ByteBuffer message_;
 };
 
 }  // namespace
 
-grpc::ServerWriteReactor<grpc::ByteBuffer>* PenumbraService::DownloadBlob(Context*,
+grpc::ServerWriteReactor<grpc::ByteBuffer>* PenumbraService::DownloadBlob(Context* context,
                                                                           const Bytes* request) {
-  auto* reactor = new DownloadReactor(parts_);
+  auto* reactor = new DownloadReactor(parts_, context);
   reactor->Start(*request);
   return reactor;
 }

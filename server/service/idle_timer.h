@@ -1,7 +1,7 @@
-// Cancels a call whose client has stopped sending.
+// Cancels a call whose client has stopped sending, or reading.
 //
-//   timer_(IdleTimer::Start(context, limits.upload_idle_timeout))
-//   timer_->Touch();   // whenever something arrives
+//   timer_(IdleTimer::Start(context, limits.transfer_idle_timeout))
+//   timer_->Touch();   // whenever something has arrived, or gone out
 //   timer_->Stop();    // before the context is gone
 #pragma once
 

@@ -23,7 +23,7 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
                 grpc::ByteBuffer* response)
       : parts_(parts),
         response_bytes_(response),
-        timer_(IdleTimer::Start(context, parts.sessions.limits.upload_idle_timeout)) {
+        timer_(IdleTimer::Start(context, parts.sessions.limits.transfer_idle_timeout)) {
     ReadNext();
   }
 

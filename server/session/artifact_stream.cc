@@ -7,14 +7,16 @@ namespace penumbra {
 
 absl::Status ArtifactStream::Start(Engine& engine, const std::string& scene_id,
                                    const ArtifactSpec& spec) {
+  std::lock_guard lock(starting_);
+  if (started_) return *started_;
   auto subscription =
       engine.Subscribe(scene_id, spec, [weak = weak_from_this()](const ArtifactUpdate& update) {
         // Held during the call: a listener may drop the last other owner.
         if (const auto stream = weak.lock()) stream->OnUpdate(update);
       });
-  if (!subscription.ok()) return subscription.status();
-  subscription_ = *std::move(subscription);
-  return absl::OkStatus();
+  started_ = subscription.status();
+  if (subscription.ok()) subscription_ = *std::move(subscription);
+  return *started_;
 }
 
 StreamState ArtifactStream::Latest() const {
@@ -89,13 +91,16 @@ void ArtifactStream::Publish(const ArtifactUpdate& update) {
 absl::StatusOr<std::shared_ptr<ArtifactStream>> StreamTable::Follow(const std::string& scene_id,
                                                                     uint64_t incarnation,
                                                                     const ArtifactSpec& spec) {
-  std::lock_guard lock(mutex_);
-  std::erase_if(streams_, [](const auto& entry) { return entry.second.expired(); });
-  auto& slot = streams_[{incarnation, SpecKey(spec)}];
-  if (auto stream = slot.lock()) return stream;
-  auto stream = std::make_shared<ArtifactStream>(services_);
+  std::shared_ptr<ArtifactStream> stream;
+  {
+    std::lock_guard lock(mutex_);
+    std::erase_if(streams_, [](const auto& entry) { return entry.second.expired(); });
+    auto& slot = streams_[{incarnation, SpecKey(spec)}];
+    stream = slot.lock();
+    if (!stream) slot = stream = std::make_shared<ArtifactStream>(services_);
+  }
+  // Without the table's lock: a commit to this scene may be on its way, which others need not await.
   if (auto status = stream->Start(engine_, scene_id, spec); !status.ok()) return status;
-  slot = stream;
   return stream;
 }
 

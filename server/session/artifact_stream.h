@@ -54,7 +54,7 @@ class ArtifactStream : public std::enable_shared_from_this<ArtifactStream> {
  public:
   explicit ArtifactStream(StreamServices& services) : services_(services) {}
 
-  // Begins to follow the artifact. Once, before anything else.
+  // Begins to follow the artifact, the first time that it is called; later calls wait for that.
   // Errors  those of Engine::Subscribe
   absl::Status Start(Engine& engine, const std::string& scene_id, const ArtifactSpec& spec);
 
@@ -68,6 +68,9 @@ class ArtifactStream : public std::enable_shared_from_this<ArtifactStream> {
   void Publish(const ArtifactUpdate& update);  // with publishing_ locked
 
   StreamServices& services_;
+
+  std::mutex starting_;
+  std::optional<absl::Status> started_;
 
   std::mutex publishing_;  // one update at a time, in their order; taken before mutex_
   std::optional<ArtifactUpdate> held_back_;

@@ -29,46 +29,58 @@ absl::Status Malformed() {
       "found bytes that are no such message, need a protobuf message with UTF-8 text");
 }
 
-// Counts the elements of a message on the wire, up to one past `most`. Groups, which no message of
-// ours has, count as malformed.
-class ElementCount {
- public:
-  explicit ElementCount(int64_t most) : most_(most) {}
+// Beside what it holds, an object takes its allocation's own bytes and its place in a list.
+constexpr int64_t kAllocationBytes = 32;
+constexpr int64_t kStringBytes = sizeof(std::string) + kAllocationBytes;
+constexpr int64_t kUnknownFieldBytes = 64;  // a string of its own, and an entry in a growing list
 
-  bool Count(google::protobuf::io::CodedInputStream& in, const Descriptor& type, int depth) {
-    while (count_ <= most_) {
+int64_t EmptyBytes(const Descriptor& type) {
+  const google::protobuf::Message* prototype =
+      google::protobuf::MessageFactory::generated_factory()->GetPrototype(&type);
+  return static_cast<int64_t>(prototype->SpaceUsedLong()) + kAllocationBytes;
+}
+
+// Adds up what a message on the wire will take, beside its own bytes, until it is more than `most`.
+// Groups, which no message of ours has, count as malformed.
+class ParsedSize {
+ public:
+  explicit ParsedSize(int64_t most) : most_(most) {}
+
+  bool Add(google::protobuf::io::CodedInputStream& in, const Descriptor& type, int depth) {
+    while (!is_over()) {
       const uint32_t tag = in.ReadTag();
       if (tag == 0) return in.ConsumedEntireMessage();
       const FieldDescriptor* field = type.FindFieldByNumber(WireFormatLite::GetTagFieldNumber(tag));
       const auto wire_type = WireFormatLite::GetTagWireType(tag);
       if (wire_type == WireFormatLite::WIRETYPE_START_GROUP) return false;
       const bool is_long = wire_type == WireFormatLite::WIRETYPE_LENGTH_DELIMITED;
-      if (is_long || !field) ++count_;
       if (is_long && field && field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
-        if (!CountNested(in, *field->message_type(), depth)) return false;
-      } else if (!WireFormatLite::SkipField(&in, tag)) {
-        return false;
+        bytes_ += EmptyBytes(*field->message_type());
+        if (!AddNested(in, *field->message_type(), depth)) return false;
+        continue;
       }
+      if (is_long || !field) bytes_ += field ? kStringBytes : kUnknownFieldBytes;
+      if (!WireFormatLite::SkipField(&in, tag)) return false;
     }
     return true;
   }
 
-  int64_t count() const { return count_; }
+  bool is_over() const { return bytes_ > most_; }
 
  private:
-  bool CountNested(google::protobuf::io::CodedInputStream& in, const Descriptor& type, int depth) {
+  bool AddNested(google::protobuf::io::CodedInputStream& in, const Descriptor& type, int depth) {
     int length = 0;
     if (depth == kMaxDepth || !in.ReadVarintSizeAsInt(&length)) return false;
     const auto limit = in.PushLimit(length);
-    if (!Count(in, type, depth + 1)) return false;
-    if (count_ > most_) return true;
+    if (!Add(in, type, depth + 1)) return false;
+    if (is_over()) return true;
     if (in.BytesUntilLimit() != 0) return false;
     in.PopLimit(limit);
     return true;
   }
 
   const int64_t most_;
-  int64_t count_ = 0;
+  int64_t bytes_ = 0;
 };
 
 }  // namespace
@@ -80,16 +92,16 @@ absl::Status ParseBounded(std::span<const uint8_t> bytes, const ServerLimits& li
                                                 " bytes, need at most " +
                                                 std::to_string(limits.max_message_bytes));
   }
-  const int64_t most =
-      std::max<int64_t>(limits.always_allowed_elements,
-                        static_cast<int64_t>(bytes.size() / limits.min_bytes_per_element));
+  const int64_t most = std::max(int64_t{limits.always_allowed_parsed_bytes},
+                                static_cast<int64_t>(bytes.size()) * limits.parsed_bytes_per_byte);
   google::protobuf::io::CodedInputStream in(bytes.data(), static_cast<int>(bytes.size()));
-  ElementCount elements(most);
-  if (!elements.Count(in, *message.GetDescriptor(), 0)) return Malformed();
-  if (elements.count() > most) {
-    return Exhausted("QUOTA_ELEMENTS", "found more than " + std::to_string(most) +
-                                           " sub-messages and strings in " +
-                                           std::to_string(bytes.size()) + " bytes, need fewer");
+  ParsedSize parsed(most);
+  if (!parsed.Add(in, *message.GetDescriptor(), 0)) return Malformed();
+  if (parsed.is_over()) {
+    return Exhausted("QUOTA_ELEMENTS", "found " + std::to_string(bytes.size()) +
+                                           " bytes of so many sub-messages and strings that they "
+                                           "take more than " +
+                                           std::to_string(most) + " in memory, need fewer");
   }
   if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return Malformed();
   return absl::OkStatus();

@@ -14,11 +14,11 @@
 
 namespace penumbra {
 
-// Counts sub-messages, strings, byte fields and unknown fields in `bytes` before anything is
-// allocated for them.
+// Estimates what the sub-messages, strings, byte fields and unknown fields in `bytes` take when they
+// are parsed, before anything is allocated for them.
 //
 // Errors  kResourceExhausted QUOTA_MESSAGE_BYTES: longer than limits.max_message_bytes;
-//         kResourceExhausted QUOTA_ELEMENTS: more of them than honest messages of this length have;
+//         kResourceExhausted QUOTA_ELEMENTS: more than honest messages of this length take;
 //         kInvalidArgument MALFORMED: not a message of this type, or text that is not UTF-8
 absl::Status ParseBounded(std::span<const uint8_t> bytes, const ServerLimits& limits,
                           google::protobuf::Message& message);

@@ -81,6 +81,7 @@ class Session : public SceneWatcher,
 
   absl::Status OnHello(const v1::Hello& hello);
   void OnCommit(const v1::Commit& commit);
+  absl::StatusOr<CommitOutcome> Apply(const v1::Commit& commit);
   void OnSubscribe(const v1::Subscribe& subscribe);
   absl::StatusOr<std::unique_ptr<SubscriptionFeed>> MakeFeed(const v1::Subscribe& subscribe);
   absl::StatusOr<std::unique_ptr<SubscriptionFeed>> Follow(uint64_t id, const ArtifactSpec& spec,

@@ -134,19 +134,27 @@ v1::SessionResponse Session::MakeWelcome(const Scene& scene, uint32_t version) c
   return response;
 }
 
+absl::StatusOr<CommitOutcome> Session::Apply(const v1::Commit& commit) {
+  const std::string& key = commit.idempotency_key();
+  ContentHash fingerprint;
+  if (!key.empty()) {
+    // Before the delta is looked into: what it names may be gone since it was first applied.
+    fingerprint = FingerprintOf(commit.delta());
+    const auto first = services_.scenes.FirstAnswer(scene_id_, key, fingerprint);
+    if (!first.ok()) return first.status();
+    if (*first) return **first;
+  }
+  const auto delta = FromProto(commit.delta(), services_.blobs);
+  if (!delta.ok()) return delta.status();
+  return services_.scenes.Commit(
+      scene_id_, {.delta = *delta, .idempotency_key = key, .fingerprint = fingerprint}, this);
+}
+
 void Session::OnCommit(const v1::Commit& commit) {
   v1::SessionResponse response;
   v1::CommitResult& result = *response.mutable_commit_result();
   result.set_commit_id(commit.commit_id());
-  const auto delta = FromProto(commit.delta(), services_.blobs);
-  absl::StatusOr<CommitOutcome> outcome = absl::UnknownError("");
-  if (!delta.ok()) {
-    outcome = delta.status();
-  } else {
-    CommitRequest request{.delta = *delta, .idempotency_key = commit.idempotency_key()};
-    if (!request.idempotency_key.empty()) request.fingerprint = FingerprintOf(commit.delta());
-    outcome = services_.scenes.Commit(scene_id_, request, this);
-  }
+  const auto outcome = Apply(commit);
   std::shared_ptr<const Scene> own;
   if (outcome.ok()) {
     result.set_revision(outcome->revision);

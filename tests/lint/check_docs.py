@@ -42,6 +42,8 @@ def check_limits(root):
     for section, header in SECTIONS.items():
         part = page.split(f"## {section}\n", 1)[-1].split("\n## ", 1)[0]
         code = limits_in_code((root / header).read_text())
+        for name in sorted(code.keys() - reported):
+            yield f"{header}: {name} is not in v1.Limits, with which the server reports it"
         for name, value in ROW.findall(part):
             stated.add(name)
             if name not in code:

@@ -199,6 +199,11 @@ class DocsTest(TreeTest):
         self.page(1024, "")
         self.assert_finds(self.found(), "max_blob_bytes, which the server reports, is missing")
 
+    def test_limit_that_is_not_reported(self):
+        self.write("server/limits.h", "  uint64_t max_blob_bytes = uint64_t{1} << 30;\n"
+                                      "  uint32_t max_moons = 3;\n")
+        self.assert_finds(self.found(), "server/limits.h: max_moons is not in v1.Limits")
+
     def test_limit_that_is_invented(self):
         self.page(1024, "| `max_blob_bytes` | 1073741824 |\n| `max_moons` | 1 |")
         self.assert_finds(self.found(), "max_moons is not in server/limits.h")

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "client/display/image_io.h"
+#include "client/session/remote_engine.h"
 #include "tests/integration/cli/run_program.h"
 
 namespace penumbra::testing {
@@ -80,6 +81,42 @@ TEST_F(CommandsTest, AServerThatDiesUnderAWatchIsToldOnOneLine) {
   EXPECT_EQ(watched.exit_status, 1);
   EXPECT_EQ(std::count(watched.err.begin(), watched.err.end(), '\n'), 1) << watched.err;
   EXPECT_THAT(watched.err, AllOf(HasSubstr("penumbra: 127.0.0.1:"), HasSubstr("gone away")));
+}
+
+TEST_F(CommandsTest, PushSendsASceneThatNoCommitHolds) {
+  constexpr int kObjects = 9'000;
+  {
+    std::ofstream obj(scene_);
+    obj << "v 0 1 0\nv 1 1 0\nv 0 1 1\n";
+    for (int i = 0; i < kObjects; ++i) {
+      obj << "o an-object-with-quite-a-name-" << i << "\nf 1 2 3\n";
+    }
+  }
+  const std::string address = StartServer();
+  const Finished push = Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5"));
+  ASSERT_EQ(push.exit_status, 0) << push.err;
+  EXPECT_GT(Json::parse(push.out)["revision"], 1);
+  auto engine = RemoteEngine::Connect({.address = address}).value();
+  EXPECT_EQ((*engine->Snapshot("studio"))->instances().size(), size_t{kObjects});
+  EXPECT_EQ(Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5")).exit_status, 0) << "and again";
+}
+
+TEST_F(CommandsTest, AWatchEndsWithItsScene) {
+  const std::string address = StartServer();
+  ASSERT_EQ(Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5")).exit_status, 0);
+  const pid_t watch =
+      Start({"watch", "--server", address, "--scene", "studio", "--seconds", "30"}, "watch");
+  ASSERT_TRUE(WaitForOutput("watch", "(final)"));
+  auto engine = RemoteEngine::Connect({.address = address}).value();
+  SceneDelta no_lamp;
+  no_lamp.remove_lights = {"rect-light"};
+  ASSERT_TRUE(engine->Commit("studio", no_lamp).ok());
+  ASSERT_TRUE(WaitForOutput("watch", "revision 2")) << "a light that goes is no end";
+  ASSERT_EQ(engine->DeleteScene("studio"), absl::OkStatus());
+  const Finished watched = Wait(watch, "watch");
+  EXPECT_EQ(watched.exit_status, 1);
+  EXPECT_EQ(std::count(watched.err.begin(), watched.err.end(), '\n'), 1) << watched.err;
+  EXPECT_THAT(watched.err, AllOf(HasSubstr("studio"), HasSubstr("deleted")));
 }
 
 TEST_F(CommandsTest, WatchStopsAfterTheUpdatesAskedFor) {

@@ -1,10 +1,8 @@
 // Starting and ending, in this process and as the program penumbrad.
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -18,6 +16,7 @@
 #include "grpcpp/create_channel.h"
 #include "render/scene/field_error.h"
 #include "server/listen_address.h"
+#include "tests/integration/service/daemon.h"
 #include "tests/integration/service/studio.h"
 
 namespace penumbra::testing {
@@ -25,69 +24,6 @@ namespace {
 
 using std::chrono::milliseconds, std::chrono::seconds;
 using ::testing::HasSubstr;
-
-// The program with its output in pipes.
-class Daemon {
- public:
-  explicit Daemon(std::vector<std::string> arguments) {
-    int out[2], err[2];
-    EXPECT_EQ(pipe2(out, O_CLOEXEC), 0);
-    EXPECT_EQ(pipe2(err, O_CLOEXEC), 0);
-    arguments.insert(arguments.begin(), PENUMBRAD);
-    std::vector<char*> argv;
-    for (auto& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    pid_ = fork();
-    if (pid_ == 0) {
-      dup2(out[1], STDOUT_FILENO);
-      dup2(err[1], STDERR_FILENO);
-      execv(argv[0], argv.data());
-      _exit(127);
-    }
-    close(out[1]);
-    close(err[1]);
-    out_ = out[0];
-    err_ = err[0];
-  }
-  ~Daemon() {
-    if (pid_ > 0) {
-      kill(pid_, SIGKILL);
-      Wait();
-    }
-    close(out_);
-    close(err_);
-  }
-
-  // The first line that it writes, without the end.
-  std::string OutputLine() { return ReadLine(out_); }
-  std::string ErrorLine() { return ReadLine(err_); }
-  std::string Address() {
-    const std::string line = OutputLine();
-    const std::string prefix = "listening on ";
-    EXPECT_THAT(line, ::testing::StartsWith(prefix));
-    return line.size() > prefix.size() ? line.substr(prefix.size()) : std::string();
-  }
-  void Signal(int number) { kill(pid_, number); }
-  // Its exit status; −signal where a signal ended it.
-  int Wait() {
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
-
- private:
-  static std::string ReadLine(int fd) {
-    std::string line;
-    char c;
-    while (read(fd, &c, 1) == 1 && c != '\n') line += c;
-    return line;
-  }
-
-  pid_t pid_ = -1;
-  int out_ = -1;
-  int err_ = -1;
-};
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -105,16 +41,6 @@ TEST(PenumbradTest, SigtermEndsItAfterTellingItsSessions) {
   EXPECT_EQ(ErrorReason(ended), "SHUTTING_DOWN");
   EXPECT_EQ(daemon.Wait(), 0);
   EXPECT_LT(SecondsSince(start), 10.0) << "an open session does not hold it up";
-}
-
-TEST(PenumbradTest, TheAddressFileGoesWithTheServer) {
-  const std::filesystem::path file = ::testing::TempDir() + "penumbra-address";
-  Daemon daemon({"--listen", "127.0.0.1:0", "--address-file", file});
-  daemon.Address();
-  EXPECT_TRUE(exists(file));
-  daemon.Signal(SIGTERM);
-  EXPECT_EQ(daemon.Wait(), 0);
-  EXPECT_FALSE(exists(file));
 }
 
 TEST(PenumbradTest, DrainingTakesNoLongerThanStated) {
@@ -213,6 +139,12 @@ TEST(PenumbraServerTest, TellsOfItself) {
   EXPECT_EQ(info.thread_count(), 2u);
   EXPECT_EQ(info.limits().max_message_bytes(), 1u << 20);
   EXPECT_EQ(info.limits().max_lights(), SceneLimits().max_lights);
+  EXPECT_EQ(info.limits().max_artifacts_per_scene(), ServerLimits().max_artifacts_per_scene);
+  const auto& type = *info.limits().GetDescriptor();
+  for (int i = 0; i < type.field_count(); ++i) {
+    EXPECT_TRUE(info.limits().GetReflection()->HasField(info.limits(), type.field(i)))
+        << type.field(i)->name() << " is not told";
+  }
   EXPECT_NE(info.gl().renderer().empty(), info.gl().error().empty());
   EXPECT_EQ(info.is_degraded(), info.gl().renderer().empty());
   grpc::ClientContext context;
@@ -267,7 +199,7 @@ TEST(PenumbraServerTest, RefusesCompressedMessages) {
 
 TEST(PenumbraServerTest, AnUploadThatFallsSilentIsDropped) {
   ServerOptions options;
-  options.limits.upload_idle_timeout = seconds(1);
+  options.limits.transfer_idle_timeout = seconds(1);
   const auto server = StartServer(options);
   WireClient client(server->address());
   grpc::ClientContext context;

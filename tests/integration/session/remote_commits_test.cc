@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/session/commit_in_parts.h"
 #include "render/scene/field_error.h"
 #include "tests/integration/session/remote_engine_fixture.h"
 
@@ -110,6 +111,40 @@ TEST_F(RemoteEngineTest, WhatTheServerHasIsNotSentAgain) {
   ASSERT_TRUE(bob->Commit("copy", Studio()).ok());
   EXPECT_EQ(bob->upload_traffic().blobs_sent, 0u);
   EXPECT_EQ(bob->upload_traffic().blobs_known, 1u);
+}
+
+TEST_F(RemoteEngineTest, WhatNoCommitHoldsCanBeCommittedInParts) {
+  const auto alice = Connect();
+  const auto bob = Connect();
+  ASSERT_EQ(alice->CreateScene("studio"), absl::OkStatus());
+  EXPECT_EQ(CommitInParts(*alice, "studio", Studio()).value(), 1u) << "whole where that can be";
+  const auto square = MeshOf(UnitSquareGeometry());
+  const auto many = [&square](const std::string& stem) {
+    SceneDelta delta;
+    for (int i = 0; i < 20'000; ++i) {
+      delta.upsert_instances.push_back({.id = stem + std::to_string(i), .mesh = square});
+    }
+    delta.upsert_receivers = {{.id = "r", .shape = PlanarInstance{stem + "19999"}}};
+    return delta;
+  };
+  const SceneDelta first = many("a-tile-with-quite-a-name-");
+  ASSERT_EQ(ErrorReason(alice->Commit("studio", first).status()), "QUOTA_MESSAGE");
+  const auto revision = CommitInParts(*alice, "studio", first);
+  ASSERT_TRUE(revision.ok()) << revision.status();
+  EXPECT_GT(*revision, 2u);
+  EXPECT_EQ((*alice->Snapshot("studio"))->instances().size(), 20'001u);
+
+  // All of them go, and the receiver on the last to another.
+  SceneDelta second = many("another-tile-with-quite-a-name-");
+  for (const Instance& tile : first.upsert_instances) second.remove_instances.push_back(tile.id);
+  second.base_revision = *revision;
+  const auto replaced = CommitInParts(*alice, "studio", second);
+  ASSERT_TRUE(replaced.ok()) << replaced.status();
+  const auto scene =
+      (*Scene::Empty("s")->Apply(Studio()))->Apply(many("another-tile-with-quite-a-name-"));
+  EXPECT_EQ((*alice->Snapshot("studio"))->content_hash(), (*scene)->content_hash());
+  EXPECT_EQ((*bob->Snapshot("studio"))->content_hash(), (*scene)->content_hash());
+  EXPECT_EQ(ErrorReason(CommitInParts(*alice, "studio", second).status()), "STALE_BASE");
 }
 
 TEST_F(RemoteEngineTest, LargeMeshesTravelInPieces) {

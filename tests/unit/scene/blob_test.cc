@@ -35,6 +35,27 @@ TEST(Blob, ComesBackAsItWas) {
   EXPECT_EQ(std::get<std::shared_ptr<const AlphaMask>>(*back)->id(), mask->id());
 }
 
+TEST(Blob, IsReadInPiecesWhereItLies) {
+  MeshGeometry square = testing::UnitSquareGeometry();
+  square.normals.assign(4, Vec3(0, 1, 0));
+  const auto mesh = *Mesh::Create(square);
+  const auto mask = *AlphaMask::Create(3, 2, {0, 50, 100, 150, 200, 250});
+  for (const auto& [content, expected] :
+       {std::pair{BlobContent(mesh), EncodeBlob(mesh->geometry())},
+        std::pair{BlobContent(mask), EncodeBlob(*mask)}}) {
+    EncodedBlob first(content);
+    const EncodedBlob blob = std::move(first);
+    ASSERT_EQ(blob.size(), expected.size());
+    for (const size_t step : {size_t{1}, size_t{7}, size_t{20}, expected.size()}) {
+      std::vector<std::byte> bytes(expected.size());
+      for (size_t at = 0; at < bytes.size(); at += step) {
+        blob.CopyTo(bytes.data() + at, at, std::min(step, bytes.size() - at));
+      }
+      EXPECT_EQ(bytes, expected) << step;
+    }
+  }
+}
+
 TEST(Blob, RefusesEveryTruncationAndAppendage) {
   auto bytes = EncodeBlob(testing::UnitSquareGeometry());
   for (size_t size = 0; size < bytes.size(); ++size) {

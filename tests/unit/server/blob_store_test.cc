@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 #include "render/scene/field_error.h"
 #include "tests/support/shapes.h"
+#include "tests/unit/server/scarce_memory.h"
 
 namespace penumbra {
 namespace {
@@ -56,15 +58,43 @@ TEST_F(BlobStoreTest, KeepsWhatItsContentNames) {
   EXPECT_EQ(store.blob_bytes(), TriangleBytes());
 }
 
-TEST_F(BlobStoreTest, OneEncodingIsSharedByAllWhoAskForIt) {
+TEST_F(BlobStoreTest, MemoryThatIsNotThereIsARefusal) {
   BlobStore store({});
-  const auto mesh = Triangle(1);
-  EXPECT_EQ(store.Encoded(mesh->id()), nullptr);
-  ASSERT_EQ(Store(store, *mesh), absl::OkStatus());
-  const auto first = store.Encoded(mesh->id());
-  ASSERT_NE(first, nullptr);
-  EXPECT_EQ(*first, EncodeBlob(mesh->geometry()));
-  EXPECT_EQ(store.Encoded(mesh->id()), first);
+  const auto bytes = EncodeBlob(Triangle(1)->geometry());
+  const std::string data(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  {
+    auto upload = store.Begin(Triangle(1)->id(), bytes.size()).value();
+    const testing::ScarceMemory scarce(bytes.size() - 1);
+    const auto status = upload->Append(data);
+    EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+    EXPECT_EQ(ErrorReason(status), "OUT_OF_MEMORY");
+  }
+  {
+    auto upload = store.Begin(Triangle(1)->id(), bytes.size()).value();
+    ASSERT_EQ(upload->Append(data), absl::OkStatus());
+    const testing::ScarceMemory scarce(11);  // not even an index list
+    EXPECT_EQ(upload->Finish().status().code(), absl::StatusCode::kResourceExhausted);
+  }
+  EXPECT_EQ(store.blob_bytes(), 0u);
+  EXPECT_EQ(Store(store, *Triangle(1)), absl::OkStatus());
+}
+
+TEST_F(BlobStoreTest, WhatIsBeingSentIsInUse) {
+  BlobStore store(ThreeTriangles(), [this] { return now_; });
+  EXPECT_FALSE(store.FindBlob(Triangle(0)->id()));
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(Store(store, *Triangle(static_cast<float>(i))), absl::OkStatus());
+  }
+  std::optional<EncodedBlob> sending(store.FindBlob(Triangle(0)->id()).value());
+  now_ += std::chrono::minutes(2);
+  ASSERT_EQ(Store(store, *Triangle(3)), absl::OkStatus());
+  EXPECT_TRUE(store.Contains(Triangle(0)->id()));
+  sending.reset();
+  now_ += std::chrono::minutes(2);
+  for (int i = 4; i < 7; ++i) {
+    ASSERT_EQ(Store(store, *Triangle(static_cast<float>(i))), absl::OkStatus());
+  }
+  EXPECT_FALSE(store.Contains(Triangle(0)->id()));
 }
 
 TEST_F(BlobStoreTest, UploadsReserveAndGiveBack) {

@@ -30,6 +30,14 @@ v1::SessionRequest LargeHonestCommit() {
   return request;
 }
 
+// The shortest ids that there are.
+std::string ShortId(uint32_t number) {
+  constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  std::string id;
+  for (++number; number > 0; number = (number - 1) / 64) id += kLetters[(number - 1) % 64];
+  return id;
+}
+
 TEST(BoundedParseTest, HonestMessagesPass) {
   const v1::SessionRequest large = LargeHonestCommit();
   ASSERT_GT(large.ByteSizeLong(), 700'000u);
@@ -43,7 +51,7 @@ TEST(BoundedParseTest, HonestMessagesPass) {
 TEST(BoundedParseTest, AFullSceneMayBeEmptiedAtOnce) {
   v1::SessionRequest emptied;
   for (uint32_t i = 0; i < SceneLimits().max_instances; ++i) {
-    emptied.mutable_commit()->mutable_delta()->add_remove_instances(std::to_string(i));
+    emptied.mutable_commit()->mutable_delta()->add_remove_instances(ShortId(i));
   }
   v1::SessionRequest request;
   EXPECT_EQ(Parse(emptied.SerializeAsString(), request), absl::OkStatus());
@@ -67,6 +75,50 @@ TEST(BoundedParseTest, EmptyMessagesByTheThousandAreRefusedUnparsed) {
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(ErrorReason(status), "QUOTA_ELEMENTS");
   EXPECT_EQ(request.request_case(), v1::SessionRequest::REQUEST_NOT_SET);
+}
+
+// The most of `element` that is let through in a message filled up to `bytes`, 0 where none is.
+v1::SessionRequest MostThatPasses(const std::string& element, size_t bytes) {
+  const auto with = [&](size_t count) {
+    std::string elements;
+    for (size_t i = 0; i < count; ++i) elements += element;
+    v1::SessionRequest request;
+    request.mutable_commit()->set_idempotency_key("");
+    EXPECT_TRUE(request.mutable_commit()->mutable_delta()->ParseFromString(elements));
+    const size_t used = request.ByteSizeLong() + 16;
+    if (used < bytes) request.mutable_commit()->set_idempotency_key(std::string(bytes - used, 'k'));
+    return request;
+  };
+  size_t passes = 0, fails = bytes / element.size();
+  while (passes + 1 < fails) {
+    const size_t count = (passes + fails) / 2;
+    v1::SessionRequest parsed;
+    (Parse(with(count).SerializeAsString(), parsed).ok() ? passes : fails) = count;
+  }
+  EXPECT_GT(passes, 1000u);
+  v1::SessionRequest parsed;
+  EXPECT_EQ(Parse(with(passes).SerializeAsString(), parsed), absl::OkStatus());
+  return parsed;
+}
+
+TEST(BoundedParseTest, WhatPassesTakesNotMuchMoreThanItsBytes) {
+  const std::string kElements[] = {
+      std::string("\x12\x00", 2),                  // an empty instance
+      std::string("\x1a\x00", 2),                  // an empty id
+      std::string("\x22\x00", 2),                  // an empty light
+      std::string("\x32\x00", 2),                  // an empty receiver
+      std::string("\x12\x04\x0a\x00\x12\x00", 6),  // an instance with two empty strings
+      std::string("\x22\x04\x12\x02\x0a\x00", 6),  // a light with a shape with a corner
+      std::string("\x7a\x00", 2),                  // an unknown field
+  };
+  for (const std::string& element : kElements) {
+    for (const size_t bytes : {32u << 10, 256u << 10, 1u << 20}) {
+      const auto request = MostThatPasses(element, bytes);
+      const size_t wire = request.ByteSizeLong();
+      EXPECT_LE(request.SpaceUsedLong(), std::max<size_t>(20 * wire, 2 << 20))
+          << wire << " bytes of " << ::testing::PrintToString(element);
+    }
+  }
 }
 
 TEST(BoundedParseTest, TooLongAndMalformedAreTold) {

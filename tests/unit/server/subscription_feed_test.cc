@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -99,6 +101,38 @@ class SubscriptionFeedTest : public ::testing::Test {
   StreamServices services_{counters_};
   StreamTable streams_{engine_, services_};
 };
+
+// An engine that is busy with one scene.
+class BusyEngine : public ScriptedEngine {
+ public:
+  absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& scene_id,
+                                                          const ArtifactSpec& spec,
+                                                          ArtifactCallback callback) override {
+    if (scene_id == "busy") {
+      is_waiting.set_value();
+      go_on.get_future().wait();
+    }
+    return ScriptedEngine::Subscribe(scene_id, spec, std::move(callback));
+  }
+
+  std::promise<void> is_waiting, go_on;
+};
+
+TEST_F(SubscriptionFeedTest, ASceneThatIsBusyKeepsNoOtherWaiting) {
+  BusyEngine engine;
+  StreamTable streams(engine, services_);
+  auto busy = std::async(std::launch::async, [&] { return streams.Follow("busy", 1, {}); });
+  engine.is_waiting.get_future().wait();
+  auto other = std::async(std::launch::async, [&] { return streams.Follow("other", 2, {}); });
+  EXPECT_EQ(other.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  auto again = std::async(std::launch::async, [&] { return streams.Follow("busy", 1, {}); });
+  engine.go_on.set_value();
+  const auto first = busy.get();
+  ASSERT_TRUE(first.ok());
+  EXPECT_EQ(*again.get(), *first) << "one stream, started once";
+  EXPECT_EQ(engine.subscriptions, 2);
+  EXPECT_TRUE(other.get().ok());
+}
 
 TEST_F(SubscriptionFeedTest, SendsNothingBeforeThereIsAnythingOrWithoutCredit) {
   SubscriptionFeed feed = MakeFeed(0);
