@@ -135,6 +135,10 @@ OcclusionCounter::Outlines OcclusionCounter::OutlinesFor(const std::vector<Job>&
 
 std::vector<size_t> OcclusionCounter::GroupNeighbours(std::vector<Job>& jobs, size_t group_size) {
   std::vector<size_t> begins = {0};
+  if (group_size <= 1) {
+    for (size_t j = 1; j <= jobs.size(); ++j) begins.push_back(j);
+    return begins;
+  }
   std::vector<Job> ordered;
   ordered.reserve(jobs.size());
   for (int side = 0; side < 2; ++side) {
@@ -162,10 +166,12 @@ void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<s
   std::vector<std::unique_ptr<Worker>> workers(worker_count);
   std::atomic<size_t> next{0};
   const auto add_group = [&](Worker& worker, std::span<const Job> group) {
-    std::vector<LightSample> samples;
-    for (const Job& job : group) samples.push_back(job.sample);
     const std::vector<SeenOutline>& seen = outlines[group.front().side];
-    if (!seen.empty()) worker.shadow.NarrowTo(samples, *group.front().occluders, seen);
+    if (!seen.empty()) {
+      std::vector<LightSample> samples;
+      for (const Job& job : group) samples.push_back(job.sample);
+      worker.shadow.NarrowTo(samples, *group.front().occluders, seen);
+    }
     for (const Job& job : group) {
       if (stop.stop_requested()) return;
       worker.shadow.Draw(*job.occluders, seen, job.sample, job.map, window, worker.bitmap);
@@ -203,9 +209,12 @@ absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::ta
   const uint32_t columns = (receiver_.width + 31) / 32;
   const uint32_t band_rows = std::clamp(kBandWords / columns, 1u, receiver_.height);
   const int worker_count = std::min(arena.max_concurrency(), static_cast<int>(jobs.size()));
-  // Every thread should have two groups at least.
+  // Every thread should have two groups at least; without outlines there is nothing to share.
+  const bool has_outlines = !outlines[0].empty() || !outlines[1].empty();
   const size_t group_size =
-      std::clamp<size_t>(jobs.size() / (2 * std::max(worker_count, 1)), 1, kNeighbours);
+      has_outlines
+          ? std::clamp<size_t>(jobs.size() / (2 * std::max(worker_count, 1)), 1, kNeighbours)
+          : 1;
   const std::vector<size_t> groups = GroupNeighbours(jobs, group_size);
   const bool is_idle = jobs.empty() && !sum_;
   for (uint32_t row = 0; row < receiver_.height && !is_idle; row += band_rows) {
