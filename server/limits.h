@@ -17,8 +17,8 @@ struct ServerLimits {
 
   // A scene of a few objects takes kilobytes, a full one 100 MB besides its blobs.
   uint32_t max_scenes = 256;
-  // Different ones (technique, parameters, light, receiver) that are followed on one scene. Each has
-  // at most one computation waiting, so this times max_scenes bounds the queue.
+  // Different ones (technique, parameters, light, receiver) that are followed on one scene. Each
+  // has at most one computation waiting, so this times max_scenes bounds the queue.
   uint32_t max_artifacts_per_scene = 1'024;
   // What techniques keep of all artifacts together, to answer edits faster. Over it they keep less.
   uint64_t max_kept_bytes = uint64_t{256} << 20;

@@ -99,7 +99,7 @@ absl::StatusOr<std::shared_ptr<ArtifactStream>> StreamTable::Follow(const std::s
     stream = slot.lock();
     if (!stream) slot = stream = std::make_shared<ArtifactStream>(services_);
   }
-  // Without the table's lock: a commit to this scene may be on its way, which others need not await.
+  // Without the table's lock: a commit to this scene may be under way, which others need not await.
   if (auto status = stream->Start(engine_, scene_id, spec); !status.ok()) return status;
   return stream;
 }

@@ -14,8 +14,8 @@
 
 namespace penumbra {
 
-// Estimates what the sub-messages, strings, byte fields and unknown fields in `bytes` take when they
-// are parsed, before anything is allocated for them.
+// Estimates what the sub-messages, strings, byte fields and unknown fields in `bytes` take when
+// they are parsed, before anything is allocated for them.
 //
 // Errors  kResourceExhausted QUOTA_MESSAGE_BYTES: longer than limits.max_message_bytes;
 //         kResourceExhausted QUOTA_ELEMENTS: more than honest messages of this length take;

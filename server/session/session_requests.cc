@@ -229,8 +229,9 @@ absl::Status Session::OnUnsubscribe(const v1::Unsubscribe& unsubscribe) {
   }
   v1::SessionResponse response;
   response.mutable_subscription_ended()->set_subscription_id(id);
-  Push(std::move(response));
+  // First, so that whoever hears of the end finds it no longer counted.
   Release(std::move(feed));
+  Push(std::move(response));
   return absl::OkStatus();
 }
 

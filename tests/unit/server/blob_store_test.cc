@@ -58,25 +58,30 @@ TEST_F(BlobStoreTest, KeepsWhatItsContentNames) {
   EXPECT_EQ(store.blob_bytes(), TriangleBytes());
 }
 
+// Messages fit into what is left, meshes do not.
 TEST_F(BlobStoreTest, MemoryThatIsNotThereIsARefusal) {
+  constexpr size_t kLittle = 4096;
+  MeshGeometry geometry = Triangle(1)->geometry();
+  geometry.positions.resize(3000, Vec3(1));
+  const auto mesh = Mesh::Create(geometry).value();
   BlobStore store({});
-  const auto bytes = EncodeBlob(Triangle(1)->geometry());
+  const auto bytes = EncodeBlob(mesh->geometry());
   const std::string data(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   {
-    auto upload = store.Begin(Triangle(1)->id(), bytes.size()).value();
-    const testing::ScarceMemory scarce(bytes.size() - 1);
+    auto upload = store.Begin(mesh->id(), bytes.size()).value();
+    const testing::ScarceMemory scarce(kLittle);
     const auto status = upload->Append(data);
     EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
     EXPECT_EQ(ErrorReason(status), "OUT_OF_MEMORY");
   }
   {
-    auto upload = store.Begin(Triangle(1)->id(), bytes.size()).value();
+    auto upload = store.Begin(mesh->id(), bytes.size()).value();
     ASSERT_EQ(upload->Append(data), absl::OkStatus());
-    const testing::ScarceMemory scarce(11);  // not even an index list
+    const testing::ScarceMemory scarce(kLittle);
     EXPECT_EQ(upload->Finish().status().code(), absl::StatusCode::kResourceExhausted);
   }
   EXPECT_EQ(store.blob_bytes(), 0u);
-  EXPECT_EQ(Store(store, *Triangle(1)), absl::OkStatus());
+  EXPECT_EQ(Store(store, *mesh), absl::OkStatus());
 }
 
 TEST_F(BlobStoreTest, WhatIsBeingSentIsInUse) {
