@@ -33,9 +33,9 @@ bool SameLights(const Scene& before, const Scene& after) {
 bool SharesReceiver(const Scene& before, const Scene& after, const std::string& id) {
   const auto receiver = after.FindReceiver(id);
   if (receiver == nullptr || before.FindReceiver(id) != receiver) return false;
-  const auto* planar = std::get_if<PlanarInstance>(&receiver->shape);
-  return planar == nullptr ||
-         before.FindInstance(planar->instance_id) == after.FindInstance(planar->instance_id);
+  const std::string* instance_id = InstanceOf(*receiver);
+  return instance_id == nullptr ||
+         before.FindInstance(*instance_id) == after.FindInstance(*instance_id);
 }
 
 }  // namespace

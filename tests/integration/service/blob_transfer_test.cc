@@ -1,4 +1,4 @@
-// Blobs on their way down, and those that are gone.
+// Blobs on their way down.
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "proto/convert/geometry_convert.h"
-#include "proto/convert/status_convert.h"
 #include "render/scene/blob.h"
 #include "render/scene/field_error.h"
 #include "tests/integration/service/studio.h"
@@ -31,17 +30,11 @@ std::shared_ptr<const Mesh> LargeMesh() {
 
 uint64_t SizeOf(const Mesh& mesh) { return EncodeBlob(mesh.geometry()).size(); }
 
-// Blobs that no scene uses go as soon as another needs their place.
-ServerOptions NothingUnusedIsKept(uint64_t store_bytes) {
-  ServerOptions options;
-  options.limits.unused_blob_lifetime = seconds(0);
-  options.limits.max_blob_store_bytes = store_bytes;
-  return options;
-}
-
 TEST(DownloadTest, ThatStallsKeepsItsBlobCountedAndIsDroppedAfterAWhile) {
   const auto large = LargeMesh();
-  auto options = NothingUnusedIsKept(SizeOf(*large) + 100);
+  ServerOptions options;
+  options.limits.unused_blob_lifetime = seconds(0);
+  options.limits.max_blob_store_bytes = SizeOf(*large) + 100;
   options.limits.transfer_idle_timeout = seconds(2);
   const auto server = StartServer(options);
   WireClient client(server->address());
@@ -65,32 +58,6 @@ TEST(DownloadTest, ThatStallsKeepsItsBlobCountedAndIsDroppedAfterAWhile) {
   while (stalled->Read(&response)) {
   }
   EXPECT_EQ(stalled->Finish().error_code(), grpc::StatusCode::CANCELLED);
-}
-
-TEST(RepeatedCommitTest, GetsItsAnswerAfterItsMeshesAreGone) {
-  const uint64_t store_bytes = SizeOf(*BoxMesh()) + 100;
-  const auto server = StartServer(NothingUnusedIsKept(store_bytes));
-  WireClient client(server->address());
-  ASSERT_EQ(client.CreateScene("studio"), absl::OkStatus());
-  ASSERT_EQ(client.Upload(*BoxMesh()), absl::OkStatus());
-  auto session = client.OpenSession("studio");
-  const auto first = session->Commit(StudioDelta(), "key");
-  ASSERT_EQ(first.revision(), 1u);
-  SceneDelta removal;
-  removal.remove_instances = {"box"};
-  ASSERT_EQ(session->Commit(removal).revision(), 2u);
-  std::this_thread::sleep_for(milliseconds(10));
-  ASSERT_EQ(client.Upload(*MeshOf(UnitSquareGeometry())), absl::OkStatus());
-  ASSERT_EQ(client.FindMissing({ToProto(BoxMesh()->id())})->size(), 1u) << "it had to make room";
-
-  const auto again = session->Commit(StudioDelta(), "key");
-  EXPECT_FALSE(again.has_error()) << again.error().message();
-  EXPECT_EQ(again.revision(), 1u);
-  EXPECT_EQ(again.content_hash(), first.content_hash());
-  const absl::Status other = FromProto(session->Commit(StudioDelta(64), "key").error());
-  EXPECT_EQ(ErrorReason(other), "REQUEST_ID_REUSED");
-  const absl::Status fresh = FromProto(session->Commit(StudioDelta(), "another-key").error());
-  EXPECT_EQ(ErrorReason(fresh), "MISSING_BLOB");
 }
 
 }  // namespace

@@ -4,14 +4,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <thread>
 
 #include "proto/convert/geometry_convert.h"
 #include "proto/convert/light_convert.h"
 #include "proto/convert/scene_convert.h"
 #include "proto/convert/status_convert.h"
+#include "render/scene/blob.h"
 #include "render/scene/field_error.h"
 #include "tests/integration/service/studio.h"
 
@@ -206,6 +209,34 @@ TEST_F(StudioTest, ARepeatedCommitIsAppliedOnce) {
   EXPECT_EQ(other.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(ErrorReason(other), "REQUEST_ID_REUSED");
   EXPECT_EQ(client_->FindScene("studio")->revision, 3u);
+}
+
+TEST(RepeatedCommitTest, GetsItsAnswerAfterItsMeshesAreGone) {
+  ServerOptions options;
+  options.limits.unused_blob_lifetime = std::chrono::seconds(0);
+  options.limits.max_blob_store_bytes = EncodeBlob(BoxMesh()->geometry()).size() + 100;
+  const auto server = StartServer(options);
+  WireClient client(server->address());
+  ASSERT_EQ(client.CreateScene("studio"), absl::OkStatus());
+  ASSERT_EQ(client.Upload(*BoxMesh()), absl::OkStatus());
+  auto session = client.OpenSession("studio");
+  const auto first = session->Commit(StudioDelta(), "key");
+  ASSERT_EQ(first.revision(), 1u);
+  SceneDelta removal;
+  removal.remove_instances = {"box"};
+  ASSERT_EQ(session->Commit(removal).revision(), 2u);
+  std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_EQ(client.Upload(*MeshOf(UnitSquareGeometry())), absl::OkStatus());
+  ASSERT_EQ(client.FindMissing({ToProto(BoxMesh()->id())})->size(), 1u) << "it had to make room";
+
+  const auto again = session->Commit(StudioDelta(), "key");
+  EXPECT_FALSE(again.has_error()) << again.error().message();
+  EXPECT_EQ(again.revision(), 1u);
+  EXPECT_EQ(again.content_hash(), first.content_hash());
+  const absl::Status other = FromProto(session->Commit(StudioDelta(64), "key").error());
+  EXPECT_EQ(ErrorReason(other), "REQUEST_ID_REUSED");
+  const absl::Status fresh = FromProto(session->Commit(StudioDelta(), "another-key").error());
+  EXPECT_EQ(ErrorReason(fresh), "MISSING_BLOB");
 }
 
 TEST_F(StudioTest, OfWritersOnOneBaseOneWins) {

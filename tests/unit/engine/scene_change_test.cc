@@ -132,5 +132,27 @@ TEST(SceneChangeOfAllLights, AnyLightMatters) {
   EXPECT_FALSE(affects("*", {.upsert_instances = {SmallBox("high", Vec3(0, 9, 0))}}));
 }
 
+TEST_F(SceneChangeTest, AReceiverOnASurfaceFollowsItsInstanceToo) {
+  MeshGeometry half = UnitSquareGeometry();
+  half.indices.resize(3);
+  Instance table{.id = "table",
+                 .mesh = MeshOf(UnitSquareGeometry()),
+                 .world_from_mesh = Placed(Vec3(5, 0.5f, 0), 0.2f),
+                 .casts = false};
+  Have({.upsert_instances = {table},
+        .upsert_receivers = {{.id = "top", .shape = PlanarSurface{"table", 1}},
+                             {.id = "all", .shape = PlanarInstance{"table"}}}});
+  spec_.receiver_id = "top";
+  table.color = Vec3(0.5f);
+  EXPECT_FALSE(Affects({.upsert_instances = {table}}));
+  table.world_from_mesh = Placed(Vec3(5, 0.6f, 0), 0.2f);
+  EXPECT_TRUE(Affects({.upsert_instances = {table}}));
+  table.world_from_mesh = Placed(Vec3(5, 0.5f, 0), 0.2f);
+  table.mesh = MeshOf(half);
+  spec_.receiver_id = "all";
+  EXPECT_TRUE(Affects({.upsert_instances = {table}, .remove_receivers = {"top"}}))
+      << "other texels are inside, if in the same patch";
+}
+
 }  // namespace
 }  // namespace penumbra
