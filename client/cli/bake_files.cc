@@ -68,9 +68,10 @@ absl::StatusOr<std::vector<std::string>> WriteBake(const BakeRecord& record,
   std::vector<std::string> files;
   for (const char* extension : {".exr", ".png", ".json"}) files.push_back(record.name + extension);
   const auto path = [&](size_t i) { return folder / files[i]; };
-  const NamedPlane channels[] = {{"R", planes.red},
-                                 {"G", planes.green},
-                                 {"B", planes.blue},
+  const bool half = radiance.format == RadianceFormat::kHalf;
+  const NamedPlane channels[] = {{"R", planes.red, half},
+                                 {"G", planes.green, half},
+                                 {"B", planes.blue, half},
                                  {"count", planes.count},
                                  {"inside", planes.inside}};
   absl::Status status = WriteExr(path(0), width, height, channels);

@@ -12,8 +12,8 @@
 #include "client/cli/light_option.h"
 #include "client/cli/option_error.h"
 #include "client/cli/option_values.h"
+#include "client/cli/shading_options.h"
 #include "client/cli/version.h"
-#include "render/scene/scene_limits.h"
 
 namespace penumbra {
 namespace {
@@ -61,12 +61,15 @@ void Grammar::AddTechnique(CLI::App* app, TechniqueParams& params) {
       "How hard shadows are drawn: auto, coverage, edge_flag, silhouette or gl; all give the same "
       "counts (default auto)",
       [&params](const std::string& text) { return SetMethod(params, text); });
+  for (const ShadingOption& o : ShadingOptions()) {
+    Add(app, o.name, o.form, o.help, [&](const std::string& text) { return o.set(params, text); });
+  }
 }
 
 void Grammar::AddLights(CLI::App* app, ShadowRequest& request) {
   app->add_option("--light", request.light_ids,
                   "A light of the scene; default: all of them. If any light is named or given as "
-                  "numbers, only those shine")
+                  "numbers, only those shine. *: all of them, baked into one texture")
       ->allow_extra_args(false)
       ->type_name("ID");
   for (const LightOption& option : LightOptions()) {

@@ -27,7 +27,8 @@ struct EngineChoice {
 // A scene file, and which of its shadows are wanted.
 struct ShadowRequest {
   std::filesystem::path scene;
-  std::vector<std::string> light_ids;  // lights of the file
+  std::vector<std::string> light_ids;  // lights of the file; "*": all of them
+  bool adds_up_lights = false;         // "*" means one texture of them all, not one of each
   std::vector<AreaLight> lights;       // lights given as numbers
   std::vector<Parallelogram> receivers;
   std::vector<std::string> receiver_instances;

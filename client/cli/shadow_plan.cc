@@ -8,6 +8,7 @@
 #include "client/cli/option_error.h"
 #include "client/cli/surface_plan.h"
 #include "render/scene/unoccluded_light.h"
+#include "render/technique/artifact_spec.h"
 
 namespace penumbra {
 namespace {
@@ -50,7 +51,10 @@ absl::Status UnknownIdError(std::string_view option, std::string_view id,
 absl::Status PlanLights(const ImportedScene& imported, const ShadowRequest& request,
                         ShadowPlan& plan) {
   std::vector<AreaLight>& used = plan.delta.upsert_lights;
+  const bool adds_up = std::ranges::count(request.light_ids, kAllLights) > 0;
+  if (adds_up) used = imported.lights;
   for (const std::string& id : request.light_ids) {
+    if (id == kAllLights) continue;
     const AreaLight* light = FindById(imported.lights, id);
     if (light == nullptr) return UnknownIdError("--light", id, imported.lights);
     if (!HasId(used, id)) used.push_back(*light);
@@ -65,6 +69,7 @@ absl::Status PlanLights(const ImportedScene& imported, const ShadowRequest& requ
     plan.notes.push_back("the scene has no lights: a rectangle above it shines down");
   }
   for (const AreaLight& light : used) plan.light_ids.push_back(light.id);
+  if (adds_up && request.adds_up_lights) plan.light_ids = {std::string(kAllLights)};
   return absl::OkStatus();
 }
 

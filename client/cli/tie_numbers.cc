@@ -13,8 +13,9 @@ namespace penumbra {
 namespace {
 
 bool TakesNumbers(const std::string& argument) {
-  static constexpr const char* kOthers[] = {"--receiver", "--size",    "--texture-size",
-                                            "--camera",   "--ambient", "--reflectance"};
+  static constexpr const char* kOthers[] = {"--receiver",   "--size",    "--texture-size",
+                                            "--camera",     "--ambient", "--ambient-radiance",
+                                            "--reflectance"};
   const auto is_argument = [&](const char* name) { return argument == name; };
   const auto is_light = [&](const LightOption& option) { return argument == option.name; };
   return std::ranges::any_of(kOthers, is_argument) || std::ranges::any_of(LightOptions(), is_light);

@@ -101,6 +101,7 @@ absl::Status WriteExr(const std::filesystem::path& path, int width, int height,
       return status;
     }
     spec.channelnames.push_back(plane.name);
+    spec.channelformats.emplace_back(plane.half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
   }
   spec.attribute("compression", "zip");
   spec.attribute("oiio:ColorSpace", "Linear");

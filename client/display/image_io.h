@@ -22,6 +22,7 @@ namespace penumbra {
 struct NamedPlane {
   std::string name;
   std::span<const float> values;
+  bool half = false;  // in an EXR: 16-bit floats, to the nearest, instead of 32-bit ones
 };
 
 // All that write: kUnavailable, with the path and why: cannot be written, and nothing is left
@@ -31,7 +32,7 @@ struct NamedPlane {
 absl::Status WritePng(const std::filesystem::path& path, int width, int height,
                       std::span<const uint8_t> rgb);
 
-// 32-bit floats without loss, channels as named.
+// Floats, channels as named.
 absl::Status WriteExr(const std::filesystem::path& path, int width, int height,
                       std::span<const NamedPlane> planes);
 // Channels R, G, B and A.
