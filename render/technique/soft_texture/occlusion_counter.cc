@@ -75,6 +75,16 @@ void AddCounts(std::span<const std::unique_ptr<Worker>> workers, const TexelWind
   });
 }
 
+// Whether the hull of light and receiver can say of anything that it need not be looked at: what is
+// asked for by name is, and small meshes are drawn whole.
+bool MayLeaveOut(const Scene& scene, const CasterChoice& casters) {
+  if (!casters.ids || casters.all_but_ids) return true;
+  return std::any_of(casters.ids->begin(), casters.ids->end(), [&](const std::string& id) {
+    const auto instance = scene.FindInstance(id);
+    return instance && instance->mesh->triangle_count() > kClusterTriangles;
+  });
+}
+
 }  // namespace
 
 OcclusionCounter::OcclusionCounter(const Scene& scene, const AreaLight& light,
@@ -86,7 +96,7 @@ OcclusionCounter::OcclusionCounter(const Scene& scene, const AreaLight& light,
       rules_(rules),
       casters_(casters),
       counts_(size_t{receiver.width} * receiver.height, uint16_t{0}) {
-  if (rules.cull) region_.emplace(light, receiver.patch);
+  if (rules.cull && MayLeaveOut(scene, casters)) region_.emplace(light, receiver.patch);
 }
 
 const OccluderSet& OcclusionCounter::OccludersOn(int side, const ReceiverTransform& map,
