@@ -60,26 +60,11 @@ DVec4 PlaneOf(DVec3 a, DVec3 b, DVec3 c) {
   return {normal / length, glm::dot(normal / length, a)};
 }
 
-}  // namespace
-
-namespace {
-
-void Push(const DVec4& plane, FacePlanes& planes) {
-  planes.x.push_back(static_cast<float>(plane.x));
-  planes.y.push_back(static_cast<float>(plane.y));
-  planes.z.push_back(static_cast<float>(plane.z));
-  planes.offset.push_back(static_cast<float>(plane.w));
-}
-
-// To a whole number of vectors, and one more for whoever reads past the end.
-void Pad(EdgeArrays& edges) {
-  const size_t size = (edges.from.size() + 2 * kClusterEdges - 1) / kClusterEdges * kClusterEdges;
-  for (auto* vertices : {&edges.from, &edges.to}) vertices->resize(size);
-  for (FacePlanes* planes : {&edges.left, &edges.right}) {
-    for (auto* values : {&planes->x, &planes->y, &planes->z, &planes->offset}) {
-      values->resize(size);
-    }
-  }
+void SetPlane(FacePlanes& planes, size_t place, const DVec4& plane) {
+  planes.x[place] = static_cast<float>(plane.x);
+  planes.y[place] = static_cast<float>(plane.y);
+  planes.z[place] = static_cast<float>(plane.z);
+  planes.offset[place] = static_cast<float>(plane.w);
 }
 
 }  // namespace
@@ -145,9 +130,12 @@ struct SilhouetteEdges::Builder {
   }
 
   void AddBorder(const HalfEdge& edge) {
-    Push(planes[edge.face], result.border_.left);
-    result.border_.from.push_back(edge.from);
-    result.border_.to.push_back(edge.to);
+    const size_t place = result.border_count_++ % kClusterEdges;
+    if (place == 0) result.border_.emplace_back();
+    BorderCluster& cluster = result.border_.back();
+    cluster.from[place] = edge.from;
+    cluster.to[place] = edge.to;
+    SetPlane(cluster.left, place, planes[edge.face]);
   }
 
   void MakePlaces() {
@@ -244,12 +232,16 @@ struct SilhouetteEdges::Builder {
   }
 
   void StoreInOrder() {
-    for (const EdgePlace& place : places) {
-      const SharedEdge& edge = shared[place.edge];
-      Push(planes[edge.left_face], result.shared_.left);
-      Push(planes[edge.right_face], result.shared_.right);
-      result.shared_.from.push_back(edge.from);
-      result.shared_.to.push_back(edge.to);
+    result.shared_count_ = places.size();
+    result.shared_.resize((places.size() + kClusterEdges - 1) / kClusterEdges);
+    for (size_t e = 0; e < places.size(); ++e) {
+      const SharedEdge& edge = shared[places[e].edge];
+      EdgeCluster& cluster = result.shared_[e / kClusterEdges];
+      const size_t place = e % kClusterEdges;
+      cluster.from[place] = edge.from;
+      cluster.to[place] = edge.to;
+      SetPlane(cluster.left, place, planes[edge.left_face]);
+      SetPlane(cluster.right, place, planes[edge.right_face]);
     }
   }
 };
@@ -263,14 +255,10 @@ SilhouetteEdges::SilhouetteEdges(std::span<const Vec3> positions,
                   .shared = {}};
   builder.MakePlanes();
   builder.Pair();
-  shared_count_ = builder.shared.size();
-  border_count_ = border_.from.size();
   builder.MakePlaces();
-  builder.Order(0, static_cast<uint32_t>(shared_count_));
+  builder.Order(0, static_cast<uint32_t>(builder.shared.size()));
   builder.MakeLevels();
   builder.StoreInOrder();
-  Pad(shared_);
-  Pad(border_);
 }
 
 }  // namespace penumbra

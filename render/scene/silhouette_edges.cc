@@ -19,6 +19,15 @@ Viewpoint Moved(DVec4 viewpoint, DVec3 center) {
 
 }  // namespace
 
+ViewBall ViewBall::Around(std::span<const DVec4> viewpoints) {
+  ViewBall ball;
+  for (const DVec4 view : viewpoints) ball.center += view / static_cast<double>(viewpoints.size());
+  for (const DVec4 view : viewpoints) {
+    ball.radius = std::max(ball.radius, glm::length(DVec3(view - ball.center)));
+  }
+  return ball;
+}
+
 void SilhouetteList::Reserve(size_t more) {
   const size_t need = count + more + kClusterEdges;
   if (weight.size() >= need) return;
@@ -32,70 +41,75 @@ void SilhouetteEdges::Find(DVec4 viewpoint, SilhouetteList& list) const {
   const Viewpoint moved = Moved(viewpoint, center_);
   AppendBorderEdges(border_, border_count_, moved.xyzw, list);
   if (levels_.empty()) {
-    SelectSharedEdges(shared_, 0, shared_count_, moved.xyzw, list);
+    SelectSharedEdges(shared_, moved.xyzw, list);
   } else {
     SelectByClusters(shared_, levels_, moved.xyzw, list);
+  }
+}
+
+void SilhouetteEdges::FindEach(std::span<const DVec4> viewpoints,
+                               std::span<SilhouetteList> lists) const {
+  for (size_t first = 0; first < viewpoints.size(); first += kGroupViews) {
+    const auto some = viewpoints.subspan(first, std::min(kGroupViews, viewpoints.size() - first));
+    const ViewBall ball = ViewBall::Around(some);
+    ViewGroup group{.count = some.size(),
+                    .radius = static_cast<float>(ball.radius + Slack(ball.center))};
+    std::ranges::copy(Moved(ball.center, center_).xyzw, group.center);
+    for (size_t v = 0; v < some.size(); ++v) {
+      std::ranges::copy(Moved(some[v], center_).xyzw, group.viewpoints[v]);
+      AppendBorderEdges(border_, border_count_, group.viewpoints[v], lists[first + v]);
+    }
+    SelectForEach(shared_, levels_, group, lists.subspan(first, some.size()));
   }
 }
 
 void SilhouetteEdges::FindOneByOne(DVec4 viewpoint, SilhouetteList& list) const {
   const Viewpoint moved = Moved(viewpoint, center_);
   AppendBorderEdges(border_, border_count_, moved.xyzw, list);
-  SelectSharedEdges(shared_, 0, shared_count_, moved.xyzw, list);
+  SelectSharedEdges(shared_, moved.xyzw, list);
+}
+
+double SilhouetteEdges::Slack(DVec4 viewpoint) const {
+  return kFacingSlack * (glm::length(DVec3(viewpoint) - viewpoint.w * center_) + extent_);
 }
 
 SilhouetteEdges SilhouetteEdges::SeenFrom(const ViewBall& ball) const {
-  const Viewpoint moved = Moved(ball.center, center_);
-  // What rounding may do to a height.
-  const double slack =
-      kFacingSlack * (glm::length(DVec3(ball.center) - ball.center.w * center_) + extent_);
-  std::vector<uint32_t> found;
-  SelectSometimes(shared_, shared_count_, levels_, moved.xyzw,
-                  static_cast<float>(ball.radius + slack), found);
   SilhouetteEdges seen;
   seen.center_ = center_;
   seen.extent_ = extent_;
   seen.border_ = border_;
   seen.border_count_ = border_count_;
-  seen.shared_count_ = found.size();
-  const auto take = [&](const auto& from, auto& to) {
-    to.resize((found.size() + 2 * kClusterEdges - 1) / kClusterEdges * kClusterEdges);
-    for (size_t e = 0; e < found.size(); ++e) to[e] = from[found[e]];
-  };
-  take(shared_.from, seen.shared_.from);
-  take(shared_.to, seen.shared_.to);
-  for (FacePlanes EdgeArrays::*side : {&EdgeArrays::left, &EdgeArrays::right}) {
-    for (auto values : {&FacePlanes::x, &FacePlanes::y, &FacePlanes::z, &FacePlanes::offset}) {
-      take((shared_.*side).*values, (seen.shared_.*side).*values);
-    }
-  }
+  seen.shared_count_ =
+      CopySometimes(shared_, shared_count_, levels_, Moved(ball.center, center_).xyzw,
+                    static_cast<float>(ball.radius + Slack(ball.center)), seen.shared_);
   return seen;
 }
 
 size_t SilhouetteEdges::bytes() const {
-  // Two vertices and two planes of four numbers an edge, nine numbers a cluster.
-  size_t numbers = 10 * (shared_.from.size() + border_.from.size());
-  for (const ClusterLevel& level : levels_) numbers += 9 * level.x.size();
-  return sizeof(float) * numbers;
+  size_t bytes = shared_.size() * sizeof(EdgeCluster) + border_.size() * sizeof(BorderCluster);
+  for (const ClusterLevel& level : levels_) bytes += 9 * sizeof(float) * level.x.size();
+  return bytes;
 }
 
 std::vector<uint32_t> SilhouetteEdges::RenumberVertices(size_t vertex_count) {
   constexpr uint32_t kUnseen = ~0u;
   std::vector<uint32_t> number(vertex_count, kUnseen), used;
-  const auto renumber = [&](std::vector<uint32_t>& vertices, size_t count) {
+  const auto renumber = [&](auto& clusters, size_t count) {
     for (size_t e = 0; e < count; ++e) {
-      uint32_t& n = number[vertices[e]];
-      if (n == kUnseen) {
-        n = static_cast<uint32_t>(used.size());
-        used.push_back(vertices[e]);
+      auto& cluster = clusters[e / kClusterEdges];
+      for (auto* vertices : {cluster.from, cluster.to}) {
+        uint32_t& vertex = vertices[e % kClusterEdges];
+        uint32_t& n = number[vertex];
+        if (n == kUnseen) {
+          n = static_cast<uint32_t>(used.size());
+          used.push_back(vertex);
+        }
+        vertex = n;
       }
-      vertices[e] = n;
     }
   };
-  for (auto vertices : {&EdgeArrays::from, &EdgeArrays::to}) {
-    renumber(shared_.*vertices, shared_count_);
-    renumber(border_.*vertices, border_count_);
-  }
+  renumber(shared_, shared_count_);
+  renumber(border_, border_count_);
   return used;
 }
 

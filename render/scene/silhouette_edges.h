@@ -35,16 +35,24 @@ struct SilhouetteList {
   void Reserve(size_t more);
 };
 
-// Parallel arrays of face planes; a viewpoint is in front where
-// nx·x + ny·y + nz·z − offset·w > 0.
+// Edges of a cluster: a vector of the widest instruction set.
+inline constexpr size_t kClusterEdges = 16;
+
+// The planes of an edge's face, for each edge of a cluster; a viewpoint is in front where
+// nx·x + ny·y + nz·z − offset·w > 0. Zeros, past the last edge, have nobody in front.
 struct FacePlanes {
-  std::vector<float> x, y, z, offset;
+  float x[kClusterEdges], y[kClusterEdges], z[kClusterEdges], offset[kClusterEdges];
 };
 
-// Edges and their faces, in parallel arrays.
-struct EdgeArrays {
-  std::vector<uint32_t> from, to;
-  FacePlanes left, right;  // `left` runs along the edge; border edges have no `right`
+// Edges of one face, and edges between two of which the left one runs along them. Each cluster lies
+// together in memory: it is looked at as a whole, and clusters in any order.
+struct alignas(64) BorderCluster {
+  uint32_t from[kClusterEdges], to[kClusterEdges];
+  FacePlanes left;
+};
+struct alignas(64) EdgeCluster {
+  uint32_t from[kClusterEdges], to[kClusterEdges];
+  FacePlanes left, right;
 };
 
 // What bounds the faces of runs of edges: a ball around their corners and a cone around their
@@ -60,6 +68,9 @@ struct ClusterLevel {
 struct ViewBall {
   DVec4 center{0.0};
   double radius = 0;
+
+  // Around all of some viewpoints, which are positions or else directions.
+  static ViewBall Around(std::span<const DVec4> viewpoints);
 };
 
 class SilhouetteEdges {
@@ -74,6 +85,9 @@ class SilhouetteEdges {
   //
   // Cost  about O(√T) for smooth meshes seen from afar
   void Find(DVec4 viewpoint, SilhouetteList& list) const;
+  // The same for each of several viewpoints, list by list: quicker for neighbours, of which one
+  // look at an edge tells that none or which of them see it on their outlines.
+  void FindEach(std::span<const DVec4> viewpoints, std::span<SilhouetteList> lists) const;
   // The same edges, every edge looked at.
   void FindOneByOne(DVec4 viewpoint, SilhouetteList& list) const;
 
@@ -95,11 +109,15 @@ class SilhouetteEdges {
 
   SilhouetteEdges() = default;
 
+  // What rounding may do to a viewpoint's height over a face.
+  double Slack(DVec4 viewpoint) const;
+
   DVec3 center_{0.0};  // the planes and clusters are of the mesh moved by −center_
   double extent_ = 0;  // from center_ to the furthest corner of the bounds
   size_t shared_count_ = 0, border_count_ = 0;
-  EdgeArrays shared_, border_;
-  // Of the shared edges: the first level has a cluster for every kClusterEdges of them.
+  std::vector<EdgeCluster> shared_;
+  std::vector<BorderCluster> border_;
+  // Bounds of the shared edges' clusters, of which the first level has one each.
   std::vector<ClusterLevel> levels_;
 };
 

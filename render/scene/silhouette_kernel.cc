@@ -1,5 +1,7 @@
 #include "render/scene/silhouette_kernel.h"
 
+#include <algorithm>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/scene/silhouette_kernel.cc"
 #include "hwy/foreach_target.h"  // compiles this file once for each target
@@ -15,18 +17,38 @@ using F = hn::CappedTag<float, kClusterEdges>;
 using I = hn::RebindToSigned<F>;
 using U = hn::RebindToUnsigned<F>;
 
-// Every face is asked about with the same operations in the same order, whichever edge asks.
-HWY_INLINE auto HeightOver(const FacePlanes& planes, size_t i, const float (&v)[4]) {
+// The planes of one vector of faces.
+struct Planes {
+  hn::Vec<F> x, y, z, offset;
+};
+
+HWY_INLINE Planes LoadPlanes(const FacePlanes& planes, size_t lane) {
   const F f;
-  auto height = hn::Mul(hn::LoadU(f, planes.offset.data() + i), hn::Set(f, -v[3]));
-  height = hn::MulAdd(hn::LoadU(f, planes.z.data() + i), hn::Set(f, v[2]), height);
-  height = hn::MulAdd(hn::LoadU(f, planes.y.data() + i), hn::Set(f, v[1]), height);
-  height = hn::MulAdd(hn::LoadU(f, planes.x.data() + i), hn::Set(f, v[0]), height);
-  return height;
+  return {hn::Load(f, planes.x + lane), hn::Load(f, planes.y + lane), hn::Load(f, planes.z + lane),
+          hn::Load(f, planes.offset + lane)};
 }
 
-HWY_INLINE auto InFront(const FacePlanes& planes, size_t i, const float (&v)[4]) {
-  return hn::Gt(HeightOver(planes, i, v), hn::Zero(F()));
+// A viewpoint in every lane.
+struct View {
+  hn::Vec<F> x, y, z, minus_w;
+
+  explicit HWY_INLINE View(const float (&v)[4])
+      : x(hn::Set(F(), v[0])),
+        y(hn::Set(F(), v[1])),
+        z(hn::Set(F(), v[2])),
+        minus_w(hn::Set(F(), -v[3])) {}
+};
+
+// Every face is asked about with the same operations in the same order, whichever edge asks.
+HWY_INLINE hn::Vec<F> HeightOver(const Planes& planes, const View& view) {
+  auto height = hn::Mul(planes.offset, view.minus_w);
+  height = hn::MulAdd(planes.z, view.z, height);
+  height = hn::MulAdd(planes.y, view.y, height);
+  return hn::MulAdd(planes.x, view.x, height);
+}
+
+HWY_INLINE auto InFront(const Planes& planes, const View& view) {
+  return hn::Gt(HeightOver(planes, view), hn::Zero(F()));
 }
 
 // Lanes as bits of a number.
@@ -69,32 +91,64 @@ HWY_INLINE void StorePacked(D d, V v, M mask, uint32_t bits, T* to) {
 #endif
 }
 
-// Appends the edges of one vector that are among the first `valid` lanes.
-HWY_INLINE void SelectVector(const EdgeArrays& edges, size_t e, size_t valid, const float (&v)[4],
-                             SilhouetteList& list) {
+// The end of a list, in registers while edges are appended: what is stored through a pointer could
+// be a list's own, as far as the compiler knows.
+class Appender {
+ public:
+  Appender(SilhouetteList& list, size_t room) {
+    list.Reserve(room);
+    from_ = list.from.data();
+    to_ = list.to.data();
+    weight_ = list.weight.data();
+    count_ = list.count;
+  }
+
+  // Appends the lanes of `found`, which are `bits`, of a vector of edges with the facing of their
+  // left faces.
+  template <class M>
+  HWY_INLINE void Append(const EdgeCluster& edges, size_t lane, M found, uint32_t bits, M left) {
+    const I i;
+    const U u;
+    const auto in_u = hn::RebindMask(u, found);
+    const auto weight = hn::IfThenElse(hn::RebindMask(i, left), hn::Set(i, 2), hn::Set(i, -2));
+    StorePacked(u, hn::Load(u, edges.from + lane), in_u, bits, from_ + count_);
+    StorePacked(u, hn::Load(u, edges.to + lane), in_u, bits, to_ + count_);
+    StorePacked(i, weight, hn::RebindMask(i, found), bits, weight_ + count_);
+    count_ += static_cast<size_t>(__builtin_popcount(bits));
+  }
+
+  size_t count() const { return count_; }
+
+ private:
+  uint32_t *from_, *to_;
+  int32_t* weight_;
+  size_t count_;
+};
+
+// Appends the edges of one vector whose faces differ in facing. `kRare`: asks first whether there is
+// one; where often there is, no branch predictor knows when.
+template <bool kRare>
+HWY_INLINE void SelectVector(const EdgeCluster& edges, size_t lane, const View& view,
+                             Appender& to) {
   const F f;
-  const I i;
-  const U u;
-  const auto left = hn::VecFromMask(f, InFront(edges.left, e, v));
-  const auto right = hn::VecFromMask(f, InFront(edges.right, e, v));
-  const auto found = hn::And(hn::MaskFromVec(hn::Xor(left, right)), hn::FirstN(f, valid));
+  const auto left = InFront(LoadPlanes(edges.left, lane), view);
+  const auto right = InFront(LoadPlanes(edges.right, lane), view);
+  const auto found = hn::MaskFromVec(hn::Xor(hn::VecFromMask(f, left), hn::VecFromMask(f, right)));
   const uint32_t bits = BitsOf(found);
-  if (bits == 0) return;
-  const auto in_u = hn::RebindMask(u, found);
-  const auto weight =
-      hn::IfThenElse(hn::RebindMask(i, hn::MaskFromVec(left)), hn::Set(i, 2), hn::Set(i, -2));
-  StorePacked(u, hn::LoadU(u, edges.from.data() + e), in_u, bits, list.from.data() + list.count);
-  StorePacked(u, hn::LoadU(u, edges.to.data() + e), in_u, bits, list.to.data() + list.count);
-  StorePacked(i, weight, hn::RebindMask(i, found), bits, list.weight.data() + list.count);
-  list.count += static_cast<size_t>(__builtin_popcount(bits));
+  if (kRare && bits == 0) return;
+  to.Append(edges, lane, found, bits, left);
 }
 
-void SelectSharedEdges(const EdgeArrays& edges, size_t first, size_t count,
-                       const float (&viewpoint)[4], SilhouetteList& list) {
-  list.Reserve(count);
-  for (size_t e = 0; e < count; e += hn::Lanes(F())) {
-    SelectVector(edges, first + e, count - e, viewpoint, list);
+void SelectSharedEdges(std::span<const EdgeCluster> edges, const float (&viewpoint)[4],
+                       SilhouetteList& list) {
+  const View view(viewpoint);
+  Appender to(list, edges.size() * kClusterEdges);
+  for (const EdgeCluster& cluster : edges) {
+    for (size_t k = 0; k < kClusterEdges; k += hn::Lanes(F())) {
+      SelectVector<true>(cluster, k, view, to);
+    }
   }
+  list.count = to.count();
 }
 
 // Which of sixteen clusters may have faces of both facings, as bits. With v from a ball's centre to
@@ -129,10 +183,16 @@ HWY_INLINE uint32_t Undecided(const ClusterLevel& c, size_t first, const float (
   return clusters < kClusterEdges ? bits & ((1u << clusters) - 1) : bits;
 }
 
-// Calls `visit` with the first edge of every cluster that may have faces of both facings, seen from
+HWY_INLINE void Prefetch(const EdgeCluster& cluster) {
+  const auto* bytes = reinterpret_cast<const char*>(&cluster);
+  for (size_t line = 0; line < sizeof cluster; line += 64) __builtin_prefetch(bytes + line);
+}
+
+// Calls `visit` with the number of every cluster of edges that may have faces of both facings, seen from
 // somewhere within `radius` of the viewpoint.
 template <class Visit>
-HWY_INLINE void ForEachUndecided(std::span<const ClusterLevel> levels, const float (&viewpoint)[4],
+HWY_INLINE void ForEachUndecided(std::span<const EdgeCluster> edges,
+                                 std::span<const ClusterLevel> levels, const float (&viewpoint)[4],
                                  float radius, const Visit& visit) {
   if (levels.empty()) return;
   struct Pending {
@@ -152,69 +212,143 @@ HWY_INLINE void ForEachUndecided(std::span<const ClusterLevel> levels, const flo
     }
     const uint32_t cluster = pending.first + static_cast<uint32_t>(__builtin_ctz(pending.bits));
     pending.bits &= pending.bits - 1;
-    const size_t inside = size_t{cluster} * kClusterEdges;
+    if (pending.level == 0 && pending.bits != 0) {
+      Prefetch(edges[pending.first + static_cast<uint32_t>(__builtin_ctz(pending.bits))]);
+    }
     if (pending.level == 0) {
-      visit(inside);
+      visit(size_t{cluster});
     } else {
-      stack[depth++] = look(pending.level - 1, inside);
+      stack[depth++] = look(pending.level - 1, size_t{cluster} * kClusterEdges);
     }
   }
 }
 
-void SelectByClusters(const EdgeArrays& edges, std::span<const ClusterLevel> levels,
+// Calls `visit` with the number of every cluster, but for those that lie apart in `levels`.
+template <class Visit>
+HWY_INLINE void ForEachCluster(std::span<const EdgeCluster> edges,
+                               std::span<const ClusterLevel> levels, const float (&viewpoint)[4],
+                               float radius, const Visit& visit) {
+  if (!levels.empty()) return ForEachUndecided(edges, levels, viewpoint, radius, visit);
+  for (size_t c = 0; c < edges.size(); ++c) visit(c);
+}
+
+void SelectByClusters(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,
                       const float (&viewpoint)[4], SilhouetteList& list) {
-  ForEachUndecided(levels, viewpoint, 0, [&](size_t first) HWY_ATTR {
-    list.Reserve(kClusterEdges);
+  const View view(viewpoint);
+  ForEachUndecided(edges, levels, viewpoint, 0, [&](size_t c) HWY_ATTR {
+    Appender to(list, kClusterEdges);
     for (size_t k = 0; k < kClusterEdges; k += hn::Lanes(F())) {
-      SelectVector(edges, first + k, kClusterEdges, viewpoint, list);
+      SelectVector<true>(edges[c], k, view, to);
     }
+    list.count = to.count();
   });
 }
 
-void SelectSometimes(const EdgeArrays& edges, size_t count, std::span<const ClusterLevel> levels,
-                     const float (&viewpoint)[4], float radius, std::vector<uint32_t>& found) {
-  const F f;
-  const U u;
-  size_t size = found.size();
-  const auto reach = hn::Set(f, radius);
-  const auto below = hn::Neg(reach);
-  const auto look_into = [&](size_t first) HWY_ATTR {
-    if (found.size() < size + 2 * kClusterEdges) found.resize(2 * size + 64 * kClusterEdges);
-    for (size_t k = 0; k < kClusterEdges; k += hn::Lanes(f)) {
-      const size_t e = first + k;
-      if (e >= count) break;
-      const auto left = HeightOver(edges.left, e, viewpoint);
-      const auto right = HeightOver(edges.right, e, viewpoint);
-      const auto decided =
-          hn::Or(hn::Gt(hn::Min(left, right), reach), hn::Lt(hn::Max(left, right), below));
-      const auto sometimes = hn::AndNot(decided, hn::FirstN(f, count - e));
-      const uint32_t bits = BitsOf(sometimes);
-      StorePacked(u, hn::Iota(u, static_cast<uint32_t>(e)), hn::RebindMask(u, sometimes), bits,
-                  found.data() + size);
-      size += static_cast<size_t>(__builtin_popcount(bits));
-    }
-  };
-  if (levels.empty()) {
-    for (size_t first = 0; first < count; first += kClusterEdges) look_into(first);
-  } else {
-    ForEachUndecided(levels, viewpoint, radius, look_into);
-  }
-  found.resize(size);
+// Which edges of one vector can be on the outline seen from somewhere within `radius` of the
+// viewpoint.
+HWY_INLINE auto Sometimes(const EdgeCluster& edges, size_t lane, const View& view, float radius) {
+  const auto left = HeightOver(LoadPlanes(edges.left, lane), view);
+  const auto right = HeightOver(LoadPlanes(edges.right, lane), view);
+  const auto reach = hn::Set(F(), radius);
+  return hn::Not(
+      hn::Or(hn::Gt(hn::Min(left, right), reach), hn::Lt(hn::Max(left, right), hn::Neg(reach))));
 }
 
-void AppendBorderEdges(const EdgeArrays& edges, size_t count, const float (&viewpoint)[4],
-                       SilhouetteList& list) {
+void SelectForEach(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,
+                   const ViewGroup& group, std::span<SilhouetteList> lists) {
+  const size_t lanes = hn::Lanes(F());
+  // Vectors that some viewpoint may see an edge of, to be looked at by one viewpoint after the
+  // other: as many as stay in the first cache.
+  struct Vector {
+    const EdgeCluster* cluster;
+    size_t lane;
+  };
+  constexpr size_t kMost = 32;
+  Vector vectors[kMost];
+  size_t size = 0;
+  const View middle(group.center);
+  const auto look_at_them = [&]() HWY_ATTR {
+    for (size_t v = 0; v < group.count; ++v) {
+      const View view(group.viewpoints[v]);
+      Appender to(lists[v], size * lanes);
+      for (size_t k = 0; k < size; ++k) {
+        SelectVector<false>(*vectors[k].cluster, vectors[k].lane, view, to);
+      }
+      lists[v].count = to.count();
+    }
+    size = 0;
+  };
+  ForEachCluster(edges, levels, group.center, group.radius, [&](size_t c) HWY_ATTR {
+    for (size_t k = 0; k < kClusterEdges; k += lanes) {
+      vectors[size] = {&edges[c], k};
+      if (BitsOf(Sometimes(edges[c], k, middle, group.radius)) != 0) ++size;
+      if (size == kMost) look_at_them();
+    }
+  });
+  look_at_them();
+}
+
+size_t CopySometimes(std::span<const EdgeCluster> edges, size_t count,
+                     std::span<const ClusterLevel> levels, const float (&viewpoint)[4],
+                     float radius, std::vector<EdgeCluster>& copies) {
+  const F f;
+  const U u;
+  const View view(viewpoint);
+  // A cluster is arrays of as many words, each handled like any other; here they go on into a
+  // second one.
+  constexpr size_t kArrays = sizeof(EdgeCluster) / (kClusterEdges * sizeof(uint32_t));
+  static_assert(sizeof(EdgeCluster) == kArrays * kClusterEdges * sizeof(uint32_t));
+  alignas(64) uint32_t pending[kArrays][2 * kClusterEdges] = {};
+  copies.reserve(edges.size());  // addresses; memory is taken for what is written
+  size_t size = 0;
+  const auto end_cluster = [&] {
+    auto* words = reinterpret_cast<uint32_t*>(&copies.emplace_back());
+    for (auto& array : pending) {
+      words = std::copy_n(array, kClusterEdges, words);
+      std::copy_n(array + kClusterEdges, kClusterEdges, array);
+    }
+  };
+  ForEachCluster(edges, levels, viewpoint, radius, [&](size_t c) HWY_ATTR {
+    const auto* words = reinterpret_cast<const uint32_t*>(&edges[c]);
+    for (size_t k = 0; k < kClusterEdges; k += hn::Lanes(f)) {
+      const size_t e = c * kClusterEdges + k;
+      if (e >= count) break;
+      const auto sometimes =
+          hn::And(Sometimes(edges[c], k, view, radius), hn::FirstN(f, count - e));
+      const uint32_t bits = BitsOf(sometimes);
+      if (bits == 0) continue;
+      for (size_t a = 0; a < kArrays; ++a) {
+        StorePacked(u, hn::Load(u, words + a * kClusterEdges + k), hn::RebindMask(u, sometimes),
+                    bits, pending[a] + size);
+      }
+      size += static_cast<size_t>(__builtin_popcount(bits));
+      if (size < kClusterEdges) continue;
+      end_cluster();
+      size -= kClusterEdges;
+    }
+  });
+  const size_t copied = copies.size() * kClusterEdges + size;
+  for (auto& array : pending) std::fill(array + size, std::end(array), 0u);
+  if (size > 0) end_cluster();
+  return copied;
+}
+
+void AppendBorderEdges(std::span<const BorderCluster> edges, size_t count,
+                       const float (&viewpoint)[4], SilhouetteList& list) {
   const F f;
   const I i;
   const U u;
-  list.Reserve(count);
-  for (size_t e = 0; e < count; e += hn::Lanes(f)) {
-    const auto in_front = hn::RebindMask(i, InFront(edges.left, e, viewpoint));
-    const size_t place = list.count + e;
-    hn::StoreU(hn::LoadU(u, edges.from.data() + e), u, list.from.data() + place);
-    hn::StoreU(hn::LoadU(u, edges.to.data() + e), u, list.to.data() + place);
-    hn::StoreU(hn::IfThenElse(in_front, hn::Set(i, 1), hn::Set(i, -1)), i,
-               list.weight.data() + place);
+  const View view(viewpoint);
+  list.Reserve(edges.size() * kClusterEdges);
+  size_t place = list.count;
+  for (const BorderCluster& cluster : edges) {
+    for (size_t k = 0; k < kClusterEdges; k += hn::Lanes(f), place += hn::Lanes(f)) {
+      const auto in_front = hn::RebindMask(i, InFront(LoadPlanes(cluster.left, k), view));
+      hn::StoreU(hn::Load(u, cluster.from + k), u, list.from.data() + place);
+      hn::StoreU(hn::Load(u, cluster.to + k), u, list.to.data() + place);
+      hn::StoreU(hn::IfThenElse(in_front, hn::Set(i, 1), hn::Set(i, -1)), i,
+                 list.weight.data() + place);
+    }
   }
   list.count += count;
 }
@@ -228,26 +362,33 @@ namespace penumbra {
 
 HWY_EXPORT(SelectSharedEdges);
 HWY_EXPORT(SelectByClusters);
-HWY_EXPORT(SelectSometimes);
+HWY_EXPORT(SelectForEach);
+HWY_EXPORT(CopySometimes);
 HWY_EXPORT(AppendBorderEdges);
 
-void SelectSharedEdges(const EdgeArrays& edges, size_t first, size_t count,
-                       const float (&viewpoint)[4], SilhouetteList& list) {
-  HWY_DYNAMIC_DISPATCH(SelectSharedEdges)(edges, first, count, viewpoint, list);
+void SelectSharedEdges(std::span<const EdgeCluster> edges, const float (&viewpoint)[4],
+                       SilhouetteList& list) {
+  HWY_DYNAMIC_DISPATCH(SelectSharedEdges)(edges, viewpoint, list);
 }
 
-void SelectByClusters(const EdgeArrays& edges, std::span<const ClusterLevel> levels,
+void SelectByClusters(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,
                       const float (&viewpoint)[4], SilhouetteList& list) {
   HWY_DYNAMIC_DISPATCH(SelectByClusters)(edges, levels, viewpoint, list);
 }
 
-void SelectSometimes(const EdgeArrays& edges, size_t count, std::span<const ClusterLevel> levels,
-                     const float (&viewpoint)[4], float radius, std::vector<uint32_t>& found) {
-  HWY_DYNAMIC_DISPATCH(SelectSometimes)(edges, count, levels, viewpoint, radius, found);
+void SelectForEach(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,
+                   const ViewGroup& group, std::span<SilhouetteList> lists) {
+  HWY_DYNAMIC_DISPATCH(SelectForEach)(edges, levels, group, lists);
 }
 
-void AppendBorderEdges(const EdgeArrays& edges, size_t count, const float (&viewpoint)[4],
-                       SilhouetteList& list) {
+size_t CopySometimes(std::span<const EdgeCluster> edges, size_t count,
+                     std::span<const ClusterLevel> levels, const float (&viewpoint)[4],
+                     float radius, std::vector<EdgeCluster>& copies) {
+  return HWY_DYNAMIC_DISPATCH(CopySometimes)(edges, count, levels, viewpoint, radius, copies);
+}
+
+void AppendBorderEdges(std::span<const BorderCluster> edges, size_t count,
+                       const float (&viewpoint)[4], SilhouetteList& list) {
   HWY_DYNAMIC_DISPATCH(AppendBorderEdges)(edges, count, viewpoint, list);
 }
 

@@ -11,28 +11,40 @@
 
 namespace penumbra {
 
-// Edges of a cluster, and clusters of one parent: a vector of the widest instruction set. Arrays
-// are padded to a multiple of it.
-inline constexpr size_t kClusterEdges = 16;
-
 // What rounding may add to a height over a face's plane, as a part of the viewpoint's distance.
 inline constexpr float kFacingSlack = 1e-5f;
 
-// Appends those of `count` edges from `first` on whose left and right face differ in facing.
-void SelectSharedEdges(const EdgeArrays& edges, size_t first, size_t count,
-                       const float (&viewpoint)[4], SilhouetteList& list);
+// Appends the edges whose left and right face differ in facing.
+void SelectSharedEdges(std::span<const EdgeCluster> edges, const float (&viewpoint)[4],
+                       SilhouetteList& list);
 
-// The same of all edges, but for clusters all of whose faces must face one way.
-void SelectByClusters(const EdgeArrays& edges, std::span<const ClusterLevel> levels,
+// The same, but for clusters all of whose faces must face one way.
+void SelectByClusters(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,
                       const float (&viewpoint)[4], SilhouetteList& list);
 
-// Appends the numbers of those edges of which, seen from anywhere within `radius` of `viewpoint`,
-// not both faces always face the same way.
-void SelectSometimes(const EdgeArrays& edges, size_t count, std::span<const ClusterLevel> levels,
-                     const float (&viewpoint)[4], float radius, std::vector<uint32_t>& found);
+// Viewpoints near each other: all within `radius` of `center`, and rounding with them.
+inline constexpr size_t kGroupViews = 8;
+struct ViewGroup {
+  float viewpoints[kGroupViews][4];
+  size_t count = 0;
+  float center[4];
+  float radius = 0;
+};
 
-// Appends all of `count` edges with the facing of their left face.
-void AppendBorderEdges(const EdgeArrays& edges, size_t count, const float (&viewpoint)[4],
-                       SilhouetteList& list);
+// The same for each viewpoint of a group, list by list. All edges are asked about if there are no
+// levels.
+void SelectForEach(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,
+                   const ViewGroup& group, std::span<SilhouetteList> lists);
+
+// Puts those of `count` edges one after another of which, seen from anywhere within `radius` of
+// `viewpoint`, not both faces always face the same way. Returns how many they are; `copies` is empty
+// before.
+size_t CopySometimes(std::span<const EdgeCluster> edges, size_t count,
+                     std::span<const ClusterLevel> levels, const float (&viewpoint)[4],
+                     float radius, std::vector<EdgeCluster>& copies);
+
+// Appends all of `count` edges with the facing of their face.
+void AppendBorderEdges(std::span<const BorderCluster> edges, size_t count,
+                       const float (&viewpoint)[4], SilhouetteList& list);
 
 }  // namespace penumbra

@@ -55,46 +55,39 @@ std::vector<DVec4> ViewpointsOf(const Scene& scene) {
   return viewpoints;
 }
 
-ViewBall BallAround(std::span<const DVec4> points) {
-  ViewBall ball;
-  for (const DVec4 point : points) ball.center += point / static_cast<double>(points.size());
-  for (const DVec4 point : points) {
-    ball.radius = std::max(ball.radius, glm::length(DVec3(point - ball.center)));
-  }
-  return ball;
-}
-
 // Ways to find the outlines of one mesh from all views.
 struct Finder {
   const SilhouetteEdges& edges;
   const std::vector<DVec4> views;
-  SilhouetteList list{};
+  std::vector<SilhouetteList> lists{kGroup};
   size_t found = 0;  // edges, over all views, by the last that ran
 
-  void Find(const SilhouetteEdges& among, DVec4 view) {
-    list.Clear();
-    among.Find(view, list);
-    found += list.count;
+  void Count(std::span<SilhouetteList> filled) {
+    for (SilhouetteList& list : filled) {
+      found += list.count;
+      list.Clear();
+    }
   }
   void OneByOne() {
     found = 0;
     for (const DVec4 view : views) {
-      list.Clear();
-      edges.FindOneByOne(view, list);
-      found += list.count;
+      edges.FindOneByOne(view, lists[0]);
+      Count({lists.data(), 1});
     }
   }
   void ByClusters() {
     found = 0;
-    for (const DVec4 view : views) Find(edges, view);
+    for (const DVec4 view : views) {
+      edges.Find(view, lists[0]);
+      Count({lists.data(), 1});
+    }
   }
   void ByGroups() {
     found = 0;
-    const SilhouetteEdges seen = edges.SeenFrom(BallAround(views));
+    const SilhouetteEdges seen = edges.SeenFrom(ViewBall::Around(views));
     for (size_t v = 0; v < views.size(); v += kGroup) {
-      const auto group = std::span(views).subspan(v, kGroup);
-      const SilhouetteEdges narrowed = seen.SeenFrom(BallAround(group));
-      for (const DVec4 view : group) Find(narrowed, view);
+      seen.FindEach(std::span(views).subspan(v, kGroup), lists);
+      Count(lists);
     }
   }
 };
@@ -105,7 +98,7 @@ std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> me
   const SilhouetteEdges& edges = mesh->silhouette_edges();
   const double prepared_ms = NowMs() - start;
   const auto scene = SceneWith(mesh);
-  Finder finder{edges, ViewpointsOf(*scene)};
+  Finder finder{.edges = edges, .views = ViewpointsOf(*scene)};
   const auto by_groups = [&] { finder.ByGroups(); };
   const auto one_by_one = [&] { finder.OneByOne(); };
   const ArtifactSpec spec{

@@ -8,8 +8,8 @@
 namespace penumbra {
 namespace {
 
-// Fewer edges are looked at for each sample before the memory for the narrower choice is there.
-constexpr size_t kEdgesWorthNarrowing = 2048;
+// Fewer edges are looked at for one sample before the lists for all are there.
+constexpr size_t kEdgesWorthLists = 2048;
 
 TexelProjection ScaleToTexels(const ReceiverTransform& map, const ReceiverPatch& receiver) {
   TexelProjection projection{};
@@ -32,18 +32,25 @@ DVec3 VertexOffset(const OccluderSet& occluders, uint32_t vertex) {
 
 }  // namespace
 
-void HardShadow::NarrowTo(std::span<const LightSample> samples, const OccluderSet& occluders,
-                          std::span<const SeenOutline> seen) {
-  narrowed_.clear();
-  narrowed_.resize(seen.size());
-  for (size_t o = 0; o < seen.size() && samples.size() > 1; ++o) {
-    if (seen[o].edges().shared_edge_count() < kEdgesWorthNarrowing) continue;
-    narrowed_[o] = seen[o].edges().SeenFrom(BallAround(samples, *occluders.outlined[o]));
+void HardShadow::FindOutlines(std::span<const LightSample> samples, const OccluderSet& occluders,
+                              std::span<const SeenOutline> seen) {
+  found_.resize(seen.size());
+  for (size_t o = 0; o < seen.size(); ++o) {
+    const SilhouetteEdges& edges = seen[o].edges();
+    const bool together = samples.size() > 1 && edges.shared_edge_count() >= kEdgesWorthLists;
+    found_[o].resize(together ? samples.size() : 0);
+    if (!together) continue;
+    std::vector<DVec4> viewpoints;
+    for (const LightSample& sample : samples) {
+      viewpoints.push_back(occluders.outlined[o]->InMesh(sample));
+    }
+    for (SilhouetteList& list : found_[o]) list.Clear();
+    edges.FindEach(viewpoints, found_[o]);
   }
 }
 
 void HardShadow::Draw(const OccluderSet& occluders, std::span<const SeenOutline> seen,
-                      const LightSample& sample, const ReceiverTransform& map,
+                      const LightSample& sample, size_t neighbour, const ReceiverTransform& map,
                       const TexelWindow& window, ShadowBitmap& bitmap) {
   const View view{.sample = sample,
                   .map = map,
@@ -59,8 +66,8 @@ void HardShadow::Draw(const OccluderSet& occluders, std::span<const SeenOutline>
     if (occluder.max_height() > view.near_height || !IsInGuardBand(occluder.bounds(), view)) {
       DrawPieces(occluder.FaceByFace(), view);
     } else {
-      const bool is_narrowed = o < narrowed_.size() && narrowed_[o];
-      DrawOutlined(occluder, seen[o], is_narrowed ? *narrowed_[o] : seen[o].edges(), view);
+      DrawOutlined(occluder, seen[o], OutlineOf(o, neighbour, occluder.InMesh(sample), seen[o]),
+                   view);
     }
   }
   if (flags_) FillFromFlags(window, *flags_, bitmap);
@@ -119,12 +126,18 @@ EdgeFlags& HardShadow::FlagsFor(const TexelWindow& window) {
   return *flags_;
 }
 
-void HardShadow::DrawOutlined(const OutlinedOccluder& occluder, const SeenOutline& seen,
-                              const SilhouetteEdges& edges, const View& view) {
+const SilhouetteList& HardShadow::OutlineOf(size_t occluder, size_t neighbour, DVec4 viewpoint,
+                                            const SeenOutline& seen) {
+  if (!found_[occluder].empty()) return found_[occluder][neighbour];
   outline_.Clear();
-  edges.Find(occluder.InMesh(view.sample), outline_);
+  seen.edges().Find(viewpoint, outline_);
+  return outline_;
+}
+
+void HardShadow::DrawOutlined(const OutlinedOccluder& occluder, const SeenOutline& seen,
+                              const SilhouetteList& outline, const View& view) {
   FlagEdges({seen.x.data(), seen.y.data(), seen.z.data()},
-            {outline_.from.data(), outline_.to.data(), outline_.weight.data(), outline_.count},
+            {outline.from.data(), outline.to.data(), outline.weight.data(), outline.count},
             occluder.sign(), view.projection, view.window, FlagsFor(view.window));
 }
 

@@ -28,16 +28,17 @@ class HardShadow {
   HardShadow(const ReceiverPatch& receiver, const ShadowRules& rules)
       : receiver_(receiver), rules_(rules) {}
 
-  // What follows are samples among `samples`, neighbours on the light: of the edges in `seen`, only
-  // those are looked at from now on that one of them can see. Once for each sample would not pay.
-  void NarrowTo(std::span<const LightSample> samples, const OccluderSet& occluders,
-                std::span<const SeenOutline> seen);
+  // What follows are `samples`, neighbours on the light, one after another: finds their outlines
+  // among the edges in `seen`, of all of them together where that is quicker.
+  void FindOutlines(std::span<const LightSample> samples, const OccluderSet& occluders,
+                    std::span<const SeenOutline> seen);
 
   // Sets the bit of every texel of `window` whose line to the sample is blocked by one of
-  // `occluders`, whose outlines `seen` has for a set of samples with this one in it.
+  // `occluders`. If any of them has an outline, the sample is number `neighbour` of those last given
+  // to FindOutlines, with the same occluders and `seen`.
   void Draw(const OccluderSet& occluders, std::span<const SeenOutline> seen,
-            const LightSample& sample, const ReceiverTransform& map, const TexelWindow& window,
-            ShadowBitmap& bitmap);
+            const LightSample& sample, size_t neighbour, const ReceiverTransform& map,
+            const TexelWindow& window, ShadowBitmap& bitmap);
 
  private:
   // Of one sample.
@@ -55,8 +56,11 @@ class HardShadow {
   // Pieces [begin, end), which are drawn in one go.
   void DrawRun(const OccluderSet& occluders, size_t begin, size_t end, bool near_light,
                const View& view);
+  // The outline of an occluder that a sample sees, which is at `viewpoint` in its mesh.
+  const SilhouetteList& OutlineOf(size_t occluder, size_t neighbour, DVec4 viewpoint,
+                                  const SeenOutline& seen);
   void DrawOutlined(const OutlinedOccluder& occluder, const SeenOutline& seen,
-                    const SilhouetteEdges& edges, const View& view);
+                    const SilhouetteList& outline, const View& view);
   // Whether all of a box's shadow is near enough to the window to be drawn from its outline.
   bool IsInGuardBand(const Aabb& box, const View& view) const;
   EdgeFlags& FlagsFor(const TexelWindow& window);
@@ -67,7 +71,8 @@ class HardShadow {
   const ShadowRules rules_;
   ProjectedVertices projected_;
   std::vector<uint32_t> deferred_, visible_;
-  std::vector<std::optional<SilhouetteEdges>> narrowed_;  // of the outlined; absent: all seen
+  // The outlines of each neighbour, for each outlined occluder; none where there are few edges.
+  std::vector<std::vector<SilhouetteList>> found_;
   SilhouetteList outline_;
   std::optional<EdgeFlags> flags_;  // made on first use
 };

@@ -82,7 +82,9 @@ SeenOutline OutlineSeenFrom(const OutlinedOccluder& occluder,
     PlaceAll(occluder, vertices, outline);
     return outline;
   }
-  outline.selected = outline.all->SeenFrom(BallAround(samples, occluder));
+  std::vector<DVec4> viewpoints;
+  for (const LightSample& sample : samples) viewpoints.push_back(occluder.InMesh(sample));
+  outline.selected = outline.all->SeenFrom(ViewBall::Around(viewpoints));
   PlaceAll(occluder, outline.selected->RenumberVertices(mesh.vertex_count()), outline);
   return outline;
 }
@@ -129,16 +131,6 @@ const OccluderSet& OutlinedOccluder::FaceByFace() const {
     faces_ = std::make_unique<const OccluderSet>(PrepareOccluder(instance_, frame_));
   });
   return *faces_;
-}
-
-ViewBall BallAround(std::span<const LightSample> samples, const OutlinedOccluder& occluder) {
-  ViewBall ball;
-  for (const LightSample& sample : samples) ball.center += occluder.InMesh(sample);
-  ball.center /= static_cast<double>(samples.size());
-  for (const LightSample& sample : samples) {
-    ball.radius = std::max(ball.radius, glm::length(DVec3(occluder.InMesh(sample) - ball.center)));
-  }
-  return ball;
 }
 
 std::vector<SeenOutline> OutlinesSeenFrom(

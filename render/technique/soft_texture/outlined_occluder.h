@@ -64,9 +64,6 @@ class OutlinedOccluder {
   mutable std::unique_ptr<const OccluderSet> faces_;
 };
 
-// A ball around `samples` as the occluder's mesh sees them.
-ViewBall BallAround(std::span<const LightSample> samples, const OutlinedOccluder& occluder);
-
 // The edges of an outline that any of some samples can see, and the vertices that they run between.
 struct SeenOutline {
   const SilhouetteEdges* all = nullptr;     // the mesh's

@@ -98,6 +98,41 @@ void ExpectOutlines(const MeshGeometry& mesh, int viewpoints) {
   }
 }
 
+// Of `count` viewpoints near each other, all edges and those that are left of them.
+void ExpectOutlinesOfNeighbours(const MeshGeometry& mesh, size_t count) {
+  const SilhouetteEdges edges(mesh.positions, mesh.indices);
+  Dice dice(29);
+  const DVec4 first = SomeViewpoint(dice);
+  std::vector<DVec4> viewpoints = {first};
+  while (viewpoints.size() < count) {
+    viewpoints.push_back(first + DVec4(double{dice.Between(0, 0.3f)} * DVec3(dice.Direction()), 0));
+  }
+  const SilhouetteEdges seen = edges.SeenFrom(ViewBall::Around(viewpoints));
+  std::vector<SilhouetteList> of_all(count), of_seen(count);
+  edges.FindEach(viewpoints, of_all);
+  seen.FindEach(viewpoints, of_seen);
+  for (size_t v = 0; v < count; ++v) {
+    const Crossings expected = OfFaces(mesh, viewpoints[v]);
+    ASSERT_EQ(OfList(mesh, of_all[v]), expected) << v;
+    ASSERT_EQ(OfList(mesh, of_seen[v]), expected) << v;
+  }
+  // What is there is kept.
+  const size_t before = of_seen.front().count;
+  seen.FindEach(std::span(viewpoints).first(1), of_seen);
+  EXPECT_EQ(of_seen.front().count, 2 * before);
+}
+
+TEST(SilhouetteEdges, OfNeighboursTogether) {
+  for (const size_t count : {1, 2, 7, 8, 9, 16, 21}) {
+    ExpectOutlinesOfNeighbours(Ball(40, 30, 0), count);
+    ExpectOutlinesOfNeighbours(Ball(50, 50, 0.1), count);
+    ExpectOutlinesOfNeighbours(UnitBoxGeometry(), count);
+    ExpectOutlinesOfNeighbours(UnitSquareGeometry(), count);
+    ExpectOutlinesOfNeighbours(Tangle(count), count);
+    ExpectOutlinesOfNeighbours({}, count);
+  }
+}
+
 TEST(SilhouetteEdges, OfSmoothAndDentedBalls) {
   ExpectOutlines(Ball(40, 30, 0), 60);
   ExpectOutlines(Ball(50, 50, 0.1), 60);
