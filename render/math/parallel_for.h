@@ -31,6 +31,7 @@ void ParallelForRange(const Range& range, const Body& body) {
 // Calls `body(i)` for each i in [0, count).
 template <typename Index, typename Body>
 void ParallelFor(Index count, const Body& body) {
+  if (count == 1) return body(Index{0});
   ParallelForRange(tbb::blocked_range<Index>(0, count), [&](const tbb::blocked_range<Index>& part) {
     for (Index i = part.begin(); i < part.end(); ++i) body(i);
   });

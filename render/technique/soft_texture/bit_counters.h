@@ -1,25 +1,79 @@
-// Counting how many bitmaps have each bit set, 512 texels at a time.
+// Counting how many of a series of bitmaps have each bit set, 256 texels at a time.
 //
-//   for each sample: Draw(bitmap); AddAndClear(bitmap, planes);
-//   for each row:    AddRowCounts(planes, bitmap.stride, row, width, counts + row * width);
+//   BitmapCounter counter(width, rows, samples);
+//   for each sample: Draw(counter.next()), counter.CountNext();
+//   counter.Finish(), counter.AddTo(counts, {width, 0, rows});
+//
+// Counters are bit-sliced: plane p holds bit p of each texel's count. Four bitmaps are added at
+// once, by full adders that leave carries for later, as in Harley and Seal's counting of ones.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <span>
+#include <limits>
+#include <memory>
 #include <vector>
 
 #include "render/technique/soft_texture/shadow_bitmap.h"
 
 namespace penumbra {
 
-// Adds `bitmap` to the bit-sliced counters `planes` (plane p holds bit p of each texel's count, in
-// the bitmap's layout) and clears it.
-void AddAndClear(ShadowBitmap& bitmap, std::span<std::vector<uint32_t>> planes);
+class BitmapCounter {
+ public:
+  // Counts up to `most` bitmaps of `rows` rows of `width` texels.
+  BitmapCounter(uint32_t width, uint32_t rows, uint32_t most);
 
-// Adds the counters of one row to `counts`, one number a texel.
-//
-// Shapes  planes of the bitmap's layout → `width` counts
-void AddRowCounts(std::span<const std::vector<uint32_t>> planes, uint32_t stride, uint32_t row,
-                  uint32_t width, uint16_t* counts);
+  // All zeros: to be drawn into.
+  ShadowBitmap& next() { return batch_[in_batch_]; }
+  // Counts what has been drawn.
+  void CountNext();
+  // To be called after the last.
+  void Finish();
+
+  // Rows that any bit was set in; none if rows_begin() ≥ rows_end().
+  uint32_t rows_begin() const { return rows_begin_; }
+  uint32_t rows_end() const { return rows_end_; }
+
+  // Adds what `other`, of the same shape, has counted in rows [begin, end). Several threads may each
+  // merge a part of the rows, if all but the last are multiples of kRowStep rows, between a call of
+  // Touch for all of them and one of Clear.
+  void Merge(const BitmapCounter& other, uint32_t begin, uint32_t end);
+  void Touch(uint32_t rows_begin, uint32_t rows_end) {
+    rows_begin_ = std::min(rows_begin_, rows_begin);
+    rows_end_ = std::max(rows_end_, rows_end);
+  }
+  static constexpr uint32_t kRowStep = ShadowBitmap::kRowPadding;
+
+  // Adds the counts of rows [begin, end) to `counts`, `width` numbers a row, of which the first is
+  // row 0's.
+  void AddTo(uint16_t* counts, uint32_t width, uint32_t begin, uint32_t end) const;
+
+  // Begins anew, whatever has been drawn and counted.
+  void Clear();
+
+ private:
+  static constexpr size_t kBatch = 4;
+
+  std::array<ShadowBitmap, kBatch> batch_;
+  size_t in_batch_ = 0;
+  std::vector<std::vector<uint32_t>> planes_;  // in the bitmaps' layout
+  uint32_t rows_begin_ = std::numeric_limits<uint32_t>::max(), rows_end_ = 0;
+};
+
+// A counter for each thread, all of one shape, so that they can be merged. Kept where textures of
+// one size are counted again and again.
+class BitmapCounters {
+ public:
+  // Makes room for `threads` counters that hold at least this.
+  void Prepare(size_t threads, uint32_t width, uint32_t rows, uint32_t most);
+  // A thread's own, for it to count with.
+  BitmapCounter& Of(size_t thread);
+
+ private:
+  uint32_t width_ = 0, rows_ = 0, most_ = 0;
+  std::vector<std::unique_ptr<BitmapCounter>> counters_;  // null: not asked for yet
+};
 
 }  // namespace penumbra

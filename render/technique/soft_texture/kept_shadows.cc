@@ -1,10 +1,7 @@
 #include "render/technique/soft_texture/kept_shadows.h"
 
 #include <algorithm>
-#include <bit>
 #include <utility>
-
-#include "render/technique/soft_texture/bit_counters.h"
 
 namespace penumbra {
 namespace {
@@ -102,7 +99,8 @@ std::shared_ptr<ShadowBase> NewBase(MemoryBudget& budget, const ShadowSubject& s
                  .shadows = SampleShadows(receiver.width, receiver.height, samples),
                  .drawn = 0,
                  .counts = std::vector<uint16_t>(texels, 0),
-                 .samples = {}});
+                 .samples = {},
+                 .counters = {}});
 }
 
 }  // namespace
@@ -128,20 +126,18 @@ void SampleShadows::Subtract(uint32_t sample, uint32_t first_row, ShadowBitmap& 
 }
 
 std::vector<uint16_t> SampleShadows::Counts(uint32_t samples) const {
-  ShadowBitmap bitmap(width_, height_);
-  std::vector<std::vector<uint32_t>> planes(std::bit_width(samples),
-                                            std::vector<uint32_t>(bitmap.words.size()));
+  BitmapCounter counter(width_, height_, samples);
   for (uint32_t sample = 0; sample < samples; ++sample) {
+    ShadowBitmap& bitmap = counter.next();
     for (uint32_t c = 0; c < columns_; ++c) {
       std::copy_n(&words_[At(sample, c, 0)], height_, bitmap.Column(c));
     }
     bitmap.Touch(0, columns_, 0, height_);
-    AddAndClear(bitmap, planes);
+    counter.CountNext();
   }
+  counter.Finish();
   std::vector<uint16_t> counts(size_t{width_} * height_, 0);
-  for (uint32_t row = 0; row < height_; ++row) {
-    AddRowCounts(planes, bitmap.stride, row, width_, &counts[size_t{row} * width_]);
-  }
+  counter.AddTo(counts.data(), width_, 0, height_);
   return counts;
 }
 

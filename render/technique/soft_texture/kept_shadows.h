@@ -14,6 +14,7 @@
 #include "render/scene/light_sample.h"
 #include "render/scene/receiver.h"
 #include "render/scene/scene.h"
+#include "render/technique/soft_texture/bit_counters.h"
 #include "render/technique/soft_texture/shadow_bitmap.h"
 #include "render/technique/soft_texture/soft_texture_params.h"
 #include "render/technique/technique_memory.h"
@@ -75,6 +76,7 @@ struct ShadowBase {
   uint32_t drawn = 0;            // samples
   std::vector<uint16_t> counts;  // H·W: how many of those drawn are hidden
   std::vector<LightSample> samples;
+  BitmapCounters counters;  // with which what moves is counted; some bitmaps a thread
 };
 
 struct EditPlan {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -22,56 +21,33 @@ constexpr uint32_t kBandWords = 1u << 13;
 // more edges to look at for each, with half as many the choice is made more often.
 constexpr size_t kNeighbours = 8;
 
+// Texels whose counts one task adds: fewer take less time than handing them over.
+constexpr uint32_t kTexelsPerTask = 1u << 15;
+
 OutlineRule RuleFor(VisibilityMethod method) {
   if (method == VisibilityMethod::kSilhouette) return OutlineRule::kWherePossible;
   if (method == VisibilityMethod::kAuto) return OutlineRule::kWhereCheaper;
   return OutlineRule::kNever;
 }
 
-// One thread's share: a bitmap for the sample at hand, and the counters of all its samples.
-struct Worker {
-  Worker(const ReceiverPatch& receiver, const ShadowRules& rules, uint32_t rows,
-         uint32_t plane_count)
-      : shadow(receiver, rules), bitmap(receiver.width, rows), planes(plane_count) {
-    for (auto& plane : planes) plane.resize(bitmap.words.size());
-  }
-
-  HardShadow shadow;
-  ShadowBitmap bitmap;
-  std::vector<std::vector<uint32_t>> planes;
-  // Rows of the window that any of its samples' shadows lies in.
-  uint32_t rows_begin = std::numeric_limits<uint32_t>::max(), rows_end = 0;
-
-  void CountBitmap() {
-    for (uint32_t c = 0; c < bitmap.columns; ++c) {
-      if (bitmap.touched_rows_begin[c] >= bitmap.touched_rows_end[c]) continue;
-      rows_begin = std::min(rows_begin, bitmap.touched_rows_begin[c]);
-      rows_end = std::max(rows_end, bitmap.touched_rows_end[c]);
-    }
-    AddAndClear(bitmap, planes);
-  }
-};
-
-void AddCounts(std::span<const std::unique_ptr<Worker>> workers, const TexelWindow& window,
+// Adds what `counters` have counted to `counts`, the window's first texel's and on, and clears them.
+void AddCounts(std::span<BitmapCounter* const> counters, const TexelWindow& window,
                uint16_t* counts) {
-  constexpr uint32_t kRowsPerTask = 64;
   uint32_t rows_begin = window.row_end - window.row_begin, rows_end = 0;
-  for (const auto& worker : workers) {
-    if (!worker) continue;
-    rows_begin = std::min(rows_begin, worker->rows_begin);
-    rows_end = std::max(rows_end, std::min(worker->rows_end, window.row_end - window.row_begin));
+  for (BitmapCounter* const counter : counters) {
+    counter->Finish();
+    rows_begin = std::min(rows_begin, counter->rows_begin());
+    rows_end = std::max(rows_end, counter->rows_end());
   }
   if (rows_begin >= rows_end) return;
-  ParallelFor((rows_end - rows_begin + kRowsPerTask - 1) / kRowsPerTask, [&](uint32_t task) {
-    const uint32_t begin = rows_begin + task * kRowsPerTask;
-    const uint32_t end = std::min(rows_end, begin + kRowsPerTask);
-    for (uint32_t row = begin; row < end; ++row) {
-      uint16_t* row_counts = counts + size_t{row} * window.width;
-      for (const auto& worker : workers) {
-        if (!worker) continue;
-        AddRowCounts(worker->planes, worker->bitmap.stride, row, window.width, row_counts);
-      }
-    }
+  counters[0]->Touch(rows_begin, rows_end);
+  constexpr uint32_t kStep = BitmapCounter::kRowStep;
+  const uint32_t rows_per_task = (kTexelsPerTask / window.width / kStep + 1) * kStep;
+  ParallelFor((rows_end - rows_begin + rows_per_task - 1) / rows_per_task, [&](uint32_t task) {
+    const uint32_t begin = rows_begin + task * rows_per_task;
+    const uint32_t end = std::min(rows_end, begin + rows_per_task);
+    for (BitmapCounter* const other : counters.subspan(1)) counters[0]->Merge(*other, begin, end);
+    counters[0]->AddTo(counts, window.width, begin, end);
   });
 }
 
@@ -94,8 +70,7 @@ OcclusionCounter::OcclusionCounter(const Scene& scene, const AreaLight& light,
       receiver_(receiver),
       surface_offset_(surface_offset),
       rules_(rules),
-      casters_(casters),
-      counts_(size_t{receiver.width} * receiver.height, uint16_t{0}) {
+      casters_(casters) {
   if (rules.cull && MayLeaveOut(scene, casters)) region_.emplace(light, receiver.patch);
 }
 
@@ -115,6 +90,7 @@ const OccluderSet& OcclusionCounter::OccludersOn(int side, const ReceiverTransfo
 std::vector<OcclusionCounter::Job> OcclusionCounter::JobsFor(std::span<const LightSample> samples,
                                                              const std::stop_token& stop) {
   std::vector<Job> jobs;
+  jobs.reserve(samples.size());
   for (const LightSample& sample : samples) {
     const uint32_t number = added_++;
     const auto map = ReceiverTransform::Create(receiver_.patch, sample, surface_offset_);
@@ -172,36 +148,44 @@ std::vector<size_t> OcclusionCounter::GroupNeighbours(std::vector<Job>& jobs, si
 void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<size_t>& groups,
                                const Outlines& outlines, const TexelWindow& window,
                                int worker_count, const std::stop_token& stop) {
-  const auto plane_count = static_cast<uint32_t>(std::bit_width(jobs.size()));
-  std::vector<std::unique_ptr<Worker>> workers(worker_count);
+  counters_->Prepare(worker_count, receiver_.width, window.row_end - window.row_begin,
+                     static_cast<uint32_t>(jobs.size()));
+  std::vector<std::optional<HardShadow>> shadows(worker_count);  // made by who gets a group
   std::atomic<size_t> next{0};
-  const auto add_group = [&](Worker& worker, std::span<const Job> group) {
+  const auto add_group = [&](HardShadow& shadow, BitmapCounter& counter,
+                             std::span<const Job> group) {
     const std::vector<SeenOutline>& seen = outlines[group.front().side];
     if (!seen.empty()) {
       std::vector<LightSample> samples;
       for (const Job& job : group) samples.push_back(job.sample);
-      worker.shadow.NarrowTo(samples, *group.front().occluders, seen);
+      shadow.FindOutlines(samples, *group.front().occluders, seen);
     }
-    for (const Job& job : group) {
+    for (size_t neighbour = 0; neighbour < group.size(); ++neighbour) {
+      const Job& job = group[neighbour];
       if (stop.stop_requested()) return;
-      worker.shadow.Draw(*job.occluders, seen, job.sample, job.map, window, worker.bitmap);
-      if (stored_in_) stored_in_->Store(job.number, window.row_begin, worker.bitmap);
-      if (band_) band_->Store(job.number - band_first_, 0, worker.bitmap);
-      if (beyond_) beyond_->Subtract(job.number, window.row_begin, worker.bitmap);
-      worker.CountBitmap();
+      ShadowBitmap& bitmap = counter.next();
+      shadow.Draw(*job.occluders, seen, job.sample, neighbour, job.map, window, bitmap);
+      if (stored_in_) stored_in_->Store(job.number, window.row_begin, bitmap);
+      if (band_) band_->Store(job.number - band_first_, 0, bitmap);
+      if (beyond_) beyond_->Subtract(job.number, window.row_begin, bitmap);
+      counter.CountNext();
     }
   };
   ParallelFor(worker_count, [&](int w) {
     for (size_t g = next++; g + 1 < groups.size() && !stop.stop_requested(); g = next++) {
-      if (!workers[w]) {
-        workers[w] = std::make_unique<Worker>(receiver_, rules_, window.row_end - window.row_begin,
-                                              plane_count);
-      }
-      add_group(*workers[w], std::span(jobs).subspan(groups[g], groups[g + 1] - groups[g]));
+      if (!shadows[w]) shadows[w].emplace(receiver_, rules_);
+      add_group(*shadows[w], counters_->Of(w),
+                std::span(jobs).subspan(groups[g], groups[g + 1] - groups[g]));
     }
   });
-  if (stop.stop_requested()) return;
-  AddCounts(workers, window, counts_.data() + size_t{window.row_begin} * receiver_.width);
+  std::vector<BitmapCounter*> used;
+  for (int w = 0; w < worker_count; ++w) {
+    if (shadows[w]) used.push_back(&counters_->Of(w));
+  }
+  if (!stop.stop_requested()) {
+    AddCounts(used, window, counts_.data() + size_t{window.row_begin} * receiver_.width);
+  }
+  for (BitmapCounter* const counter : used) counter->Clear();
 }
 
 void OcclusionCounter::SumBand(std::span<const LightSample> samples, const TexelWindow& window,
@@ -214,6 +198,7 @@ void OcclusionCounter::SumBand(std::span<const LightSample> samples, const Texel
 absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::task_arena& arena,
                                    const std::stop_token& stop) {
   band_first_ = added_;
+  if (counts_.empty()) counts_.resize(size_t{receiver_.width} * receiver_.height);
   std::vector<Job> jobs = JobsFor(samples, stop);
   const Outlines outlines = OutlinesFor(jobs, arena);
   const uint32_t columns = (receiver_.width + 31) / 32;

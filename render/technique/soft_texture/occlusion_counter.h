@@ -36,6 +36,8 @@ class OcclusionCounter {
   // All samples that are added are of `light`. Refers to `scene`.
   OcclusionCounter(const Scene& scene, const AreaLight& light, const ReceiverPatch& receiver,
                    double surface_offset, const ShadowRules& rules, CasterChoice casters = {});
+  OcclusionCounter(const OcclusionCounter&) = delete;
+  OcclusionCounter& operator=(const OcclusionCounter&) = delete;
 
   // From now on each sample's shadow is also put into `shadows`, at the sample's number; the next
   // sample has number `next`.
@@ -48,6 +50,11 @@ class OcclusionCounter {
   // From now on `sum` gets all samples, hidden where drawn here or in what is counted beyond.
   void SumInto(SampleSum& sum) { sum_ = &sum; }
 
+  // From now on threads count with what is in `counters`, and leave theirs there for others.
+  void CountWith(BitmapCounters& counters) { counters_ = &counters; }
+  // From now on counts go on from `counts`, H·W, row by row.
+  void CountOnto(std::vector<uint16_t> counts) { counts_ = std::move(counts); }
+
   // Adds what hides `samples`. The result depends on neither the arena's size nor how samples are
   // split into calls.
   //
@@ -56,12 +63,10 @@ class OcclusionCounter {
   absl::Status Add(std::span<const LightSample> samples, tbb::task_arena& arena,
                    const std::stop_token& stop);
 
-  // H·W, row by row.
+  // H·W, row by row; of what has been added.
   const std::vector<uint16_t>& counts() const { return counts_; }
   // The same; counting begins anew.
-  std::vector<uint16_t> TakeCounts() {
-    return std::exchange(counts_, std::vector<uint16_t>(counts_.size(), 0));
-  }
+  std::vector<uint16_t> TakeCounts() { return std::exchange(counts_, {}); }
 
  private:
   // A sample's map, and the occluders on its side of the receiver.
@@ -99,12 +104,13 @@ class OcclusionCounter {
   SampleShadows* stored_in_ = nullptr;
   const SampleShadows* beyond_ = nullptr;
   SampleSum* sum_ = nullptr;
+  BitmapCounters own_counters_, *counters_ = &own_counters_;
   std::optional<SampleShadows> band_;  // what was drawn of a band, for the sum
   uint32_t added_ = 0;                 // the next sample's number
   uint32_t band_first_ = 0;            // that of the first of this call of Add
   std::array<std::unique_ptr<OccluderSet>, 2>
-      occluders_;  // on the front, on the back; made on first use
-  std::vector<uint16_t> counts_;
+      occluders_;                 // on the front, on the back; made on first use
+  std::vector<uint16_t> counts_;  // empty: zeros
 };
 
 }  // namespace penumbra

@@ -87,6 +87,11 @@ class Computation {
     if (plan_.base) {
       plan_.base->samples = samples_;
       moving_.CountBeyond(plan_.base->shadows);
+      moving_.CountWith(plan_.base->counters);
+      if (IsBaseDrawn() && FirstPassSamples(plan_.base->drawn) >= plan_.base->drawn) {
+        moving_.CountOnto(plan_.base->counts);
+        counts_have_base_ = true;
+      }
     }
     if (ParamsOf(spec).method == VisibilityMethod::kGl) {
       on_gl_.emplace(*context.gl, scene, receiver_, surface_offset_,
@@ -151,8 +156,7 @@ class Computation {
   uint32_t FirstPassSamples(uint32_t n) const {
     if (!context_.progress) return n;
     const uint64_t texels = uint64_t{receiver_.width} * receiver_.height;
-    const bool is_all_but_done = plan_.base && plan_.base->drawn == n;
-    if (is_all_but_done && n * (plan_.moving_triangles + texels / 32) <= kWorkWorthAPass) return n;
+    if (IsBaseDrawn() && n * (plan_.moving_triangles + texels / 32) <= kWorkWorthAPass) return n;
     if (spec_.time_budget_ms <= 0 || !Pace()) return kFirstPassSamples;
     return Pace()->Samples(kComputingShare * spec_.time_budget_ms, kFirstPassSamples);
   }
@@ -183,24 +187,28 @@ class Computation {
     return absl::OkStatus();
   }
 
-  std::vector<uint16_t> VisibleCounts(uint32_t done) const {
-    const std::vector<uint16_t>& hidden = on_gl_ ? on_gl_->counts() : moving_.counts();
-    std::vector<uint16_t> visible(hidden.size());
-    const auto beyond = [done](uint16_t a, uint16_t b) {
-      return static_cast<uint16_t>(done - a - b);
+  bool IsBaseDrawn() const { return plan_.base && plan_.base->drawn == samples_.size(); }
+
+  // Of the first `done` samples. All of them: the counts are of no use any more.
+  std::vector<uint16_t> VisibleCounts(uint32_t done) {
+    const bool is_last = done == samples_.size();
+    std::vector<uint16_t> counts = on_gl_    ? on_gl_->counts()
+                                   : is_last ? moving_.TakeCounts()
+                                             : moving_.counts();
+    const auto subtract_from_all = [&](const std::vector<uint16_t>& others) {
+      std::transform(
+          counts.begin(), counts.end(), others.begin(), counts.begin(),
+          [done](uint16_t a, uint16_t b) { return static_cast<uint16_t>(done - a - b); });
     };
-    if (!plan_.base) {
-      std::transform(hidden.begin(), hidden.end(), visible.begin(),
-                     [&](uint16_t a) { return beyond(a, 0); });
+    if (!plan_.base || counts_have_base_) {
+      for (uint16_t& count : counts) count = static_cast<uint16_t>(done - count);
     } else if (plan_.base->drawn == done) {
-      std::transform(hidden.begin(), hidden.end(), plan_.base->counts.begin(), visible.begin(),
-                     beyond);
+      subtract_from_all(plan_.base->counts);
     } else {
-      const std::vector<uint16_t> base = plan_.base->shadows.Counts(done);
-      std::transform(hidden.begin(), hidden.end(), base.begin(), visible.begin(), beyond);
+      subtract_from_all(plan_.base->shadows.Counts(done));
     }
-    coverage_.FillOutside(visible);
-    return visible;
+    coverage_.FillOutside(counts);
+    return counts;
   }
 
   Artifact MakeArtifact(uint32_t done) {
@@ -244,6 +252,7 @@ class Computation {
   // drawn.
   OcclusionCounter moving_;
   std::optional<OcclusionCounter> still_;
+  bool counts_have_base_ = false;   // those of moving_
   std::optional<GlShadows> on_gl_;  // in place of both
   TextureShading shading_;
   ArtifactHeader header_;

@@ -159,27 +159,54 @@ TEST_P(CoverageKernelTest, NeverDrawsNotANumber) {
             static_cast<std::ptrdiff_t>(bitmap.words.size()));
 }
 
-TEST_P(CoverageKernelTest, CountsEveryBitmapThatWasAdded) {
-  std::vector<std::vector<uint32_t>> planes(5);
-  ShadowBitmap bitmap(kWidth, kHeight);
-  for (auto& plane : planes) plane.resize(bitmap.words.size());
-  std::vector<uint16_t> expected(kWidth * kHeight, 0), found(kWidth * kHeight, 1000);
-  for (int sample = 0; sample < 31; ++sample) {
-    for (uint32_t texel = 0; texel < kWidth * kHeight; ++texel) {
-      if (random_() % 3 == 0) continue;
-      const uint32_t column = texel % kWidth, row = texel / kWidth;
-      bitmap.Column(column / 32)[row] |= 1u << (column % 32);
-      ++expected[texel];
-    }
-    bitmap.Touch(0, bitmap.columns, 0, kHeight);
-    AddAndClear(bitmap, planes);
-  }
-  for (uint32_t row = 0; row < kHeight; ++row) {
-    AddRowCounts(planes, bitmap.stride, row, kWidth, found.data() + row * kWidth);
-  }
+// Sets about two thirds of the bits, and counts them in `expected`.
+void Scatter(std::mt19937& random, ShadowBitmap& bitmap, std::vector<uint16_t>& expected) {
   for (uint32_t texel = 0; texel < kWidth * kHeight; ++texel) {
-    ASSERT_EQ(found[texel], expected[texel] + 1000) << texel;
+    if (random() % 3 == 0) continue;
+    const uint32_t column = texel % kWidth, row = texel / kWidth;
+    bitmap.Column(column / 32)[row] |= 1u << (column % 32);
+    bitmap.Touch(column / 32, column / 32 + 1, row, row + 1);
+    ++expected[texel];
   }
+}
+
+TEST_P(CoverageKernelTest, CountsEveryBitmapThatWasAdded) {
+  BitmapCounter counter(kWidth, kHeight, 700);
+  for (const int samples : {1, 2, 3, 4, 5, 31, 255, 256, 700}) {
+    std::vector<uint16_t> expected(kWidth * kHeight, 1000), found(kWidth * kHeight, 1000);
+    for (int sample = 0; sample < samples; ++sample) {
+      Scatter(random_, counter.next(), expected);
+      counter.CountNext();
+    }
+    counter.Finish();
+    counter.AddTo(found.data(), kWidth, 0, kHeight);
+    ASSERT_EQ(found, expected) << samples;
+    Scatter(random_, counter.next(), expected);  // and does not count it
+    counter.Clear();
+  }
+}
+
+TEST_P(CoverageKernelTest, MergesWhatThreadsHaveCounted) {
+  std::vector<BitmapCounter> counters(3, BitmapCounter(kWidth, kHeight, 60));
+  std::vector<uint16_t> expected(kWidth * kHeight, 0), found(kWidth * kHeight, 0);
+  for (int sample = 0; sample < 60; ++sample) {
+    BitmapCounter& counter = counters[sample % 7 % 3];
+    Scatter(random_, counter.next(), expected);
+    counter.CountNext();
+  }
+  for (BitmapCounter& counter : counters) counter.Finish();
+  counters[0].Touch(0, kHeight);
+  for (uint32_t begin = 0; begin < kHeight; begin += 2 * BitmapCounter::kRowStep) {
+    const uint32_t end = std::min(begin + 2 * BitmapCounter::kRowStep, kHeight);
+    counters[0].Merge(counters[1], begin, end);
+    counters[0].Merge(counters[2], begin, end);
+    counters[0].AddTo(found.data(), kWidth, begin, end);
+  }
+  EXPECT_EQ(found, expected);
+  // What came from others is forgotten with the rest.
+  counters[0].Clear();
+  counters[0].AddTo(found.data(), kWidth, 0, kHeight);
+  EXPECT_EQ(found, expected);
 }
 
 // Corners a hair's breadth off texel centres: there a crossing may round past its edge's own end.
