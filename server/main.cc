@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "google/protobuf/stubs/logging.h"
+#include "render/engine/keep_freed_memory.h"
 #include "server/address_file.h"
 #include "server/penumbra_server.h"
 #include "server/server_identity.h"
@@ -103,6 +104,7 @@ void AddOptions(CLI::App& app, CommandLine& command) {
 }  // namespace penumbra
 
 int main(int argc, char** argv) {
+  penumbra::KeepFreedMemory();
   penumbra::SilenceLibraries();
   CLI::App app{"Penumbra server: computes soft shadows for the scenes that clients stream to it."};
   penumbra::CommandLine command;

@@ -7,6 +7,9 @@
 namespace penumbra {
 namespace {
 
+// Fewer edges are looked at in less time than it takes to find which need not be.
+constexpr size_t kEdgesWorthClusters = 1u << 16;
+
 struct Viewpoint {
   float xyzw[4];
 };
@@ -40,7 +43,7 @@ void SilhouetteList::Reserve(size_t more) {
 void SilhouetteEdges::Find(DVec4 viewpoint, SilhouetteList& list) const {
   const Viewpoint moved = Moved(viewpoint, center_);
   AppendBorderEdges(border_, border_count_, moved.xyzw, list);
-  if (levels_.empty()) {
+  if (shared_count_ < kEdgesWorthClusters || levels_.empty()) {
     SelectSharedEdges(shared_, moved.xyzw, list);
   } else {
     SelectByClusters(shared_, levels_, moved.xyzw, list);

@@ -12,6 +12,7 @@
 
 #include "CLI/CLI.hpp"
 #include "nlohmann/json.hpp"
+#include "render/engine/keep_freed_memory.h"
 #include "tests/bench/bench.h"
 
 namespace penumbra::bench {
@@ -105,4 +106,7 @@ int Main(int argc, char** argv) {
 
 }  // namespace penumbra::bench
 
-int main(int argc, char** argv) { return penumbra::bench::Main(argc, argv); }
+int main(int argc, char** argv) {
+  penumbra::KeepFreedMemory();  // as the server does
+  return penumbra::bench::Main(argc, argv);
+}

@@ -66,23 +66,23 @@ std::set<std::string> Update(KnownInstances& known, const Scene::Table<Instance>
   return changed;
 }
 
-struct Triangles {
-  uint64_t all = 0, moving = 0;
-};
+uint64_t TrianglesOf(const Instance& instance) {
+  return instance.casts ? instance.mesh->triangle_count() : 0;
+}
 
-Triangles CountTriangles(const Scene& scene, const std::set<std::string>& moving) {
-  Triangles count;
-  for (const auto& [id, instance] : scene.instances()) {
-    if (!instance->casts) continue;
-    count.all += instance->mesh->triangle_count();
-    if (moving.contains(id)) count.moving += instance->mesh->triangle_count();
+uint64_t TrianglesOf(const Scene& scene, const std::set<std::string>& ids) {
+  uint64_t count = 0;
+  for (const std::string& id : ids) {
+    if (const auto instance = scene.FindInstance(id)) count += TrianglesOf(*instance);
   }
   return count;
 }
 
 bool AreMostlyStill(const Scene& scene, const std::set<std::string>& moving) {
-  const Triangles count = CountTriangles(scene, moving);
-  return static_cast<double>(count.moving) <= kMostThatMoves * static_cast<double>(count.all);
+  uint64_t all = 0;
+  for (const auto& [id, instance] : scene.instances()) all += TrianglesOf(*instance);
+  return static_cast<double>(TrianglesOf(scene, moving)) <=
+         kMostThatMoves * static_cast<double>(all);
 }
 
 std::shared_ptr<ShadowBase> NewBase(MemoryBudget& budget, const ShadowSubject& subject,
@@ -161,7 +161,7 @@ EditPlan PlanEdit(TechniqueMemory& memory, const ShadowSubject& subject, const S
     base = NewBase(memory.budget, subject, std::move(moving));
   }
   if (!base) return {};
-  return {.base = base, .moving_triangles = CountTriangles(scene, base->moving).moving};
+  return {.base = base, .moving_triangles = TrianglesOf(scene, base->moving)};
 }
 
 }  // namespace penumbra
