@@ -1,6 +1,7 @@
 #include "client/cli/shading_options.h"
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <variant>
@@ -38,6 +39,18 @@ absl::Status SetNumber(std::string_view option, std::string_view text, float mos
     return RangeError(option, text, absl::StrCat("one number from 0 to ", most));
   }
   value = (*numbers)[0];
+  return absl::OkStatus();
+}
+
+absl::Status SetReuse(std::string_view text, uint32_t& value) {
+  float number = 0;
+  const auto status = SetNumber("--silhouette-reuse", text, kMaxSilhouetteReuse, number);
+  if (!status.ok()) return status;
+  if (number < 1 || number != std::floor(number)) {
+    return RangeError("--silhouette-reuse", text,
+                      absl::StrCat("a whole number from 1 to ", kMaxSilhouetteReuse));
+  }
+  value = static_cast<uint32_t>(number);
   return absl::OkStatus();
 }
 
@@ -87,6 +100,11 @@ constexpr ShadingOption kOptions[] = {
      "What 1 is in unorm outputs (default: the most that the texture has with nothing in the way)",
      [](TechniqueParams& params, std::string_view text) {
        return SetNumber("--output-scale", text, kMaxOutputScale, WithRadiance(params).output_scale);
+     }},
+    {"--silhouette-reuse", "N",
+     "Light samples that share one's outlines of meshes: quicker, and no longer exact (default 1)",
+     [](TechniqueParams& params, std::string_view text) {
+       return SetReuse(text, Of(params).silhouette_reuse);
      }},
     {"--count-bits", "N", "Bits that a count is sent in: auto, 8 or 16 (default auto)",
      [](TechniqueParams& params, std::string_view text) {

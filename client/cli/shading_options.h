@@ -1,4 +1,4 @@
-// The options about what an artifact holds besides counts, and in how many bits.
+// The options about what an artifact holds besides counts, in how many bits, and how exactly.
 //
 //   for (const ShadingOption& option : ShadingOptions()) …  // option.set(params, text)
 #pragma once

@@ -20,6 +20,7 @@ void Write(const SoftTextureParams& params, v1::ArtifactSpec& proto) {
   parameters.set_radiance(params.radiance);
   // The protocol counts from 1 what is listed in the same order here.
   parameters.set_method(static_cast<v1::VisibilityMethod>(static_cast<int>(params.method) + 1));
+  parameters.set_silhouette_reuse(params.silhouette_reuse);
   parameters.set_shading(static_cast<v1::Shading>(static_cast<int>(params.shading) + 1));
   parameters.set_form_factor_error(params.form_factor_error);
   if (params.ambient != Vec3(0.0f)) *parameters.mutable_ambient() = ToProto(params.ambient);
@@ -66,6 +67,7 @@ absl::StatusOr<TechniqueParams> Read(const v1::SoftTextureParameters& proto) {
   if (proto.method() != v1::VISIBILITY_METHOD_UNSPECIFIED) {
     params.method = static_cast<VisibilityMethod>(proto.method() - 1);
   }
+  if (proto.silhouette_reuse() != 0) params.silhouette_reuse = proto.silhouette_reuse();
   if (auto status = ReadShading(proto, params); !status.ok()) return status;
   return params;
 }

@@ -20,7 +20,8 @@ std::string KeyOfShading(const SoftTextureParams& params) {
 
 std::string KeyOf(const SoftTextureParams& params) {
   return absl::StrCat(params.samples, " ", params.seed, " ", params.radiance, " ",
-                      static_cast<int>(params.method), " ", KeyOfShading(params));
+                      static_cast<int>(params.method), " ", params.silhouette_reuse, " ",
+                      KeyOfShading(params));
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ namespace {
 
 constexpr uint32_t kSamples = 64;
 constexpr uint32_t kGroup = 8;
+constexpr uint32_t kManySamples = 512;
 
 // `mesh` 4 m wide, half a metre over the middle of a floor of 10 m, under a lamp of 2 m: the scene
 // of soft_texture.dragon.
@@ -112,6 +113,17 @@ std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> me
   const Duel share = Interleave(0.4 * options.min_seconds, by_groups, [&] {
     (void)TechniqueFor(spec.params).Compute(*scene, spec, {.arena = arena});
   });
+  // Outlines that eight neighbours share, with what telling their error takes, for many samples.
+  std::string error;
+  const auto compute_many = [&](uint32_t reuse) {
+    ArtifactSpec many = spec;
+    std::get<SoftTextureParams>(many.params).samples = kManySamples;
+    std::get<SoftTextureParams>(many.params).silhouette_reuse = reuse;
+    const auto artifact = TechniqueFor(many.params).Compute(*scene, many, {.arena = arena});
+    if (reuse > 1) error = artifact->header.parameters.at("silhouette_reuse_error");
+  };
+  const Duel reuse = Interleave(
+      0.2 * options.min_seconds, [&] { compute_many(kGroup); }, [&] { compute_many(1); });
   const double compute = share.PeersMs(), finding = share.OursMs(), flat = duel.PeersMs();
   const double all = static_cast<double>(edges.shared_edge_count() + edges.border_edge_count());
   const double faces = static_cast<double>(mesh->triangle_count());
@@ -124,6 +136,8 @@ std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> me
           {prefix + "single_view_speedup_vs_flat", single.Speedup(), "x"},
           {prefix + "find_share_flat", flat / (compute - finding + flat), "1"},
           {prefix + "find_share_hierarchical", finding / compute, "1"},
+          {prefix + "reuse_speedup_vs_exact", reuse.Speedup(), "x"},
+          {prefix + "reuse_error", std::stod(error), "1"},
           {prefix + "prepare_vs_compute", prepared_ms / compute, "x"},
           {prefix + "bytes_per_face", static_cast<double>(edges.bytes()) / faces, "B"}};
 }

@@ -32,17 +32,24 @@ DVec3 VertexOffset(const OccluderSet& occluders, uint32_t vertex) {
 
 }  // namespace
 
-void HardShadow::FindOutlines(std::span<const LightSample> samples, const OccluderSet& occluders,
+void HardShadow::FindOutlines(std::span<const LightSample> lenders, const OccluderSet& occluders,
                               std::span<const SeenOutline> seen) {
+  lenders_.assign(lenders.begin(), lenders.end());
+  list_of_.clear();
+  std::vector<LightSample> unequal;
+  for (const LightSample& lender : lenders) {
+    if (unequal.empty() || unequal.back().point != lender.point) unequal.push_back(lender);
+    list_of_.push_back(unequal.size() - 1);
+  }
   found_.resize(seen.size());
   for (size_t o = 0; o < seen.size(); ++o) {
     const SilhouetteEdges& edges = seen[o].edges();
-    const bool together = samples.size() > 1 && edges.shared_edge_count() >= kEdgesWorthLists;
-    found_[o].resize(together ? samples.size() : 0);
+    const bool together = lenders.size() > 1 && edges.shared_edge_count() >= kEdgesWorthLists;
+    found_[o].resize(together ? unequal.size() : 0);
     if (!together) continue;
     std::vector<DVec4> viewpoints;
-    for (const LightSample& sample : samples) {
-      viewpoints.push_back(occluders.outlined[o]->InMesh(sample));
+    for (const LightSample& lender : unequal) {
+      viewpoints.push_back(occluders.outlined[o]->InMesh(lender));
     }
     for (SilhouetteList& list : found_[o]) list.Clear();
     edges.FindEach(viewpoints, found_[o]);
@@ -66,8 +73,7 @@ void HardShadow::Draw(const OccluderSet& occluders, std::span<const SeenOutline>
     if (occluder.max_height() > view.near_height || !IsInGuardBand(occluder.bounds(), view)) {
       DrawPieces(occluder.FaceByFace(), view);
     } else {
-      DrawOutlined(occluder, seen[o], OutlineOf(o, neighbour, occluder.InMesh(sample), seen[o]),
-                   view);
+      DrawOutlined(occluder, seen[o], OutlineOf(o, neighbour, occluders, seen[o]), view);
     }
   }
   if (flags_) FillFromFlags(window, *flags_, bitmap);
@@ -126,11 +132,11 @@ EdgeFlags& HardShadow::FlagsFor(const TexelWindow& window) {
   return *flags_;
 }
 
-const SilhouetteList& HardShadow::OutlineOf(size_t occluder, size_t neighbour, DVec4 viewpoint,
-                                            const SeenOutline& seen) {
-  if (!found_[occluder].empty()) return found_[occluder][neighbour];
+const SilhouetteList& HardShadow::OutlineOf(size_t o, size_t neighbour,
+                                            const OccluderSet& occluders, const SeenOutline& seen) {
+  if (!found_[o].empty()) return found_[o][list_of_[neighbour]];
   outline_.Clear();
-  seen.edges().Find(viewpoint, outline_);
+  seen.edges().Find(occluders.outlined[o]->InMesh(lenders_[neighbour]), outline_);
   return outline_;
 }
 

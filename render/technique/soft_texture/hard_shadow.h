@@ -28,14 +28,14 @@ class HardShadow {
   HardShadow(const ReceiverPatch& receiver, const ShadowRules& rules)
       : receiver_(receiver), rules_(rules) {}
 
-  // What follows are `samples`, neighbours on the light, one after another: finds their outlines
-  // among the edges in `seen`, of all of them together where that is quicker.
-  void FindOutlines(std::span<const LightSample> samples, const OccluderSet& occluders,
+  // What follows is drawn with the outlines that `lenders` see, one after another, neighbours on the
+  // light: finds them among the edges in `seen`, of all together where that is quicker.
+  void FindOutlines(std::span<const LightSample> lenders, const OccluderSet& occluders,
                     std::span<const SeenOutline> seen);
 
   // Sets the bit of every texel of `window` whose line to the sample is blocked by one of
-  // `occluders`. If any of them has an outline, the sample is number `neighbour` of those last given
-  // to FindOutlines, with the same occluders and `seen`.
+  // `occluders`. If any of them has an outline, that is the one of number `neighbour` of the lenders
+  // last given to FindOutlines, with the same occluders and `seen`.
   void Draw(const OccluderSet& occluders, std::span<const SeenOutline> seen,
             const LightSample& sample, size_t neighbour, const ReceiverTransform& map,
             const TexelWindow& window, ShadowBitmap& bitmap);
@@ -56,8 +56,8 @@ class HardShadow {
   // Pieces [begin, end), which are drawn in one go.
   void DrawRun(const OccluderSet& occluders, size_t begin, size_t end, bool near_light,
                const View& view);
-  // The outline of an occluder that a sample sees, which is at `viewpoint` in its mesh.
-  const SilhouetteList& OutlineOf(size_t occluder, size_t neighbour, DVec4 viewpoint,
+  // The outline of number `o` of the occluders that a lender sees.
+  const SilhouetteList& OutlineOf(size_t o, size_t neighbour, const OccluderSet& occluders,
                                   const SeenOutline& seen);
   void DrawOutlined(const OutlinedOccluder& occluder, const SeenOutline& seen,
                     const SilhouetteList& outline, const View& view);
@@ -71,7 +71,9 @@ class HardShadow {
   const ShadowRules rules_;
   ProjectedVertices projected_;
   std::vector<uint32_t> deferred_, visible_;
-  // The outlines of each neighbour, for each outlined occluder; none where there are few edges.
+  std::vector<LightSample> lenders_;
+  std::vector<size_t> list_of_;  // for each lender: its list, which equal ones share
+  // Those lists, for each outlined occluder; none where there are few edges.
   std::vector<std::vector<SilhouetteList>> found_;
   SilhouetteList outline_;
   std::optional<EdgeFlags> flags_;  // made on first use

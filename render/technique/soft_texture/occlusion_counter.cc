@@ -87,6 +87,14 @@ const OccluderSet& OcclusionCounter::OccludersOn(int side, const ReceiverTransfo
   return *set;
 }
 
+LightSample OcclusionCounter::LenderTo(uint32_t number, const LightSample& sample,
+                                       bool is_in_front) const {
+  if (number >= lenders_.size()) return sample;
+  const LightSample& lender = lenders_[number];
+  const auto map = ReceiverTransform::Create(receiver_.patch, lender, surface_offset_);
+  return map && (map->sample_height() > 0) == is_in_front ? lender : sample;
+}
+
 std::vector<OcclusionCounter::Job> OcclusionCounter::JobsFor(std::span<const LightSample> samples,
                                                              const std::stop_token& stop) {
   std::vector<Job> jobs;
@@ -98,7 +106,12 @@ std::vector<OcclusionCounter::Job> OcclusionCounter::JobsFor(std::span<const Lig
     const bool is_in_front = map->sample_height() > 0;
     const OccluderSet& occluders = OccludersOn(is_in_front ? 1 : -1, *map, stop);
     if (!occluders.empty()) {
-      jobs.push_back({number, sample, *map, &occluders, is_in_front ? 0 : 1});
+      jobs.push_back({.number = number,
+                      .sample = sample,
+                      .lender = LenderTo(number, sample, is_in_front),
+                      .map = *map,
+                      .occluders = &occluders,
+                      .side = is_in_front ? 0 : 1});
     }
   }
   return jobs;
@@ -110,7 +123,7 @@ OcclusionCounter::Outlines OcclusionCounter::OutlinesFor(const std::vector<Job>&
   for (int side = 0; side < 2; ++side) {
     std::vector<LightSample> samples;
     for (const Job& job : jobs) {
-      if (job.side == side) samples.push_back(job.sample);
+      if (job.side == side) samples.push_back(job.lender);
     }
     if (!samples.empty() && !occluders_[side]->outlined.empty()) {
       outlines[side] = OutlinesSeenFrom(occluders_[side]->outlined, samples, arena);
@@ -133,7 +146,7 @@ std::vector<size_t> OcclusionCounter::GroupNeighbours(std::vector<Job>& jobs, si
     for (const Job& job : jobs) {
       if (job.side != side) continue;
       of_side.push_back(&job);
-      places.push_back({job.sample.point, job.sample.point});
+      places.push_back({job.lender.point, job.lender.point});
     }
     BoxTree(places, static_cast<uint32_t>(group_size))
         .VisitLeaves([&](std::span<const uint32_t> leaf) {
@@ -157,7 +170,7 @@ void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<s
     const std::vector<SeenOutline>& seen = outlines[group.front().side];
     if (!seen.empty()) {
       std::vector<LightSample> samples;
-      for (const Job& job : group) samples.push_back(job.sample);
+      for (const Job& job : group) samples.push_back(job.lender);
       shadow.FindOutlines(samples, *group.front().occluders, seen);
     }
     for (size_t neighbour = 0; neighbour < group.size(); ++neighbour) {

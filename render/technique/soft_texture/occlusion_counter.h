@@ -50,6 +50,9 @@ class OcclusionCounter {
   // From now on `sum` gets all samples, hidden where drawn here or in what is counted beyond.
   void SumInto(SampleSum& sum) { sum_ = &sum; }
 
+  // From now on sample number k is drawn with the outlines that `lenders[k]` sees, which must go on
+  // to exist; with its own if that one is on the receiver's other side.
+  void BorrowOutlines(std::span<const LightSample> lenders) { lenders_ = lenders; }
   // From now on threads count with what is in `counters`, and leave theirs there for others.
   void CountWith(BitmapCounters& counters) { counters_ = &counters; }
   // From now on counts go on from `counts`, H·W, row by row.
@@ -73,6 +76,7 @@ class OcclusionCounter {
   struct Job {
     uint32_t number;  // of the sample, over all calls of Add
     LightSample sample;
+    LightSample lender;  // the sample whose outlines it uses, most often itself
     ReceiverTransform map;
     const OccluderSet* occluders;
     int side;  // 0: in front of the receiver, 1: behind it
@@ -83,6 +87,7 @@ class OcclusionCounter {
   // Prepared on first use, for samples of which `map` is one's.
   const OccluderSet& OccludersOn(int side, const ReceiverTransform& map,
                                  const std::stop_token& stop);
+  LightSample LenderTo(uint32_t number, const LightSample& sample, bool is_in_front) const;
   std::vector<Job> JobsFor(std::span<const LightSample> samples, const std::stop_token& stop);
   // Puts neighbours on the light one after another, and returns where each group of them begins,
   // and the end.
@@ -104,6 +109,7 @@ class OcclusionCounter {
   SampleShadows* stored_in_ = nullptr;
   const SampleShadows* beyond_ = nullptr;
   SampleSum* sum_ = nullptr;
+  std::span<const LightSample> lenders_;
   BitmapCounters own_counters_, *counters_ = &own_counters_;
   std::optional<SampleShadows> band_;  // what was drawn of a band, for the sum
   uint32_t added_ = 0;                 // the next sample's number

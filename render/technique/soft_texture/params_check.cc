@@ -31,6 +31,10 @@ absl::Status CheckParams(const SoftTextureParams& params) {
     return RangeError("soft_texture.samples", absl::StrCat(params.samples),
                       absl::StrCat("1 to ", most));
   }
+  if (params.silhouette_reuse < 1 || params.silhouette_reuse > kMaxSilhouetteReuse) {
+    return RangeError("soft_texture.silhouette_reuse", absl::StrCat(params.silhouette_reuse),
+                      absl::StrCat("1 to ", kMaxSilhouetteReuse));
+  }
   if (!(params.form_factor_error >= 0 && params.form_factor_error <= kMaxFormFactorError)) {
     return RangeError("soft_texture.form_factor_error", absl::StrCat(params.form_factor_error),
                       absl::StrCat("0 to ", kMaxFormFactorError));
@@ -58,6 +62,9 @@ std::map<std::string, std::string> EffectiveParameters(const SoftTextureParams& 
                                              {"seed", absl::StrCat(params.seed)},
                                              {"radiance", params.radiance ? "true" : "false"},
                                              {"method", std::string(NameOf(params.method))}};
+  if (params.silhouette_reuse > 1) {
+    text["silhouette_reuse"] = absl::StrCat(params.silhouette_reuse);
+  }
   if (params.radiance) {
     // OpenGL adds up the samples whatever is asked for.
     const bool by_gl = params.method == VisibilityMethod::kGl;

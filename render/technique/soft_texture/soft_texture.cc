@@ -1,6 +1,7 @@
 #include "render/technique/soft_texture/soft_texture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "render/math/parallel_for.h"
 #include "render/scene/field_error.h"
 #include "render/technique/soft_texture/all_lights.h"
+#include "render/technique/soft_texture/borrowed_outlines.h"
 #include "render/technique/soft_texture/gl/gl_shadows.h"
 #include "render/technique/soft_texture/occlusion_counter.h"
 #include "render/technique/soft_texture/params_check.h"
@@ -41,6 +43,9 @@ double SurfaceOffset(const ReceiverPatch& receiver) {
 // An edit whose samples, times the triangles and words of texels of each, are no more than this is
 // done sooner than a coarse pass of it is sent.
 constexpr uint64_t kWorkWorthAPass = 1u << 18;
+
+// Light samples that are drawn both ways to tell what borrowed outlines do.
+constexpr size_t kSamplesChecked = 4;
 
 // What the mask says already, and would be held for as long as the artifact.
 ReceiverPatch WithoutRegion(ReceiverPatch receiver) {
@@ -84,6 +89,10 @@ class Computation {
         shading_(*light_, receiver_, surface_offset_, static_cast<uint32_t>(samples_.size()),
                  ShadingParams()) {
     if (shading_.sum()) moving_.SumInto(*shading_.sum());
+    if (BorrowsOutlines()) {
+      lenders_ = OutlineLenders(samples_, params().silhouette_reuse);
+      moving_.BorrowOutlines(lenders_);
+    }
     if (plan_.base) {
       plan_.base->samples = samples_;
       moving_.CountBeyond(plan_.base->shadows);
@@ -114,6 +123,11 @@ class Computation {
     for (uint32_t done = 0;; ++header_.pass) {
       const uint32_t upto = NextPassEnd(done, first, n);
       if (const auto status = Draw(done, upto); !status.ok()) return status;
+      if (upto == n && BorrowsOutlines()) {
+        const auto error = ErrorOfBorrowing();
+        if (!error.ok()) return error.status();
+        header_.parameters["silhouette_reuse_error"] = absl::StrFormat("%.3g", *error);
+      }
       Artifact artifact = MakeArtifact(upto);
       if (context_.stop.stop_requested()) return absl::CancelledError("stop requested");
       if (FirstPassPace* const pace = Pace(); pace && done == 0) {
@@ -176,6 +190,7 @@ class Computation {
     if (!still_) {
       still_.emplace(scene_, *light_, receiver_, surface_offset_, Rules(), CastersOf(false));
       still_->StoreIn(base.shadows, base.drawn);
+      still_->BorrowOutlines(lenders_);
     }
     const auto status = still_->Add(std::span(samples_).subspan(base.drawn, upto - base.drawn),
                                     context_.arena, context_.stop);
@@ -209,6 +224,33 @@ class Computation {
     }
     coverage_.FillOutside(counts);
     return counts;
+  }
+
+  bool BorrowsOutlines() const {
+    return params().silhouette_reuse > 1 && params().method != VisibilityMethod::kGl;
+  }
+
+  // The largest part of the texels that a light sample sees wrongly, of those samples that are
+  // furthest from where their outlines were found, each drawn both ways.
+  absl::StatusOr<double> ErrorOfBorrowing() {
+    const std::vector<uint32_t> checked = FurthestFromLenders(samples_, lenders_, kSamplesChecked);
+    const auto count = static_cast<uint32_t>(checked.size());
+    std::vector<LightSample> samples, lenders;
+    for (const uint32_t s : checked) {
+      samples.push_back(samples_[s]);
+      lenders.push_back(lenders_[s]);
+    }
+    const SampleShadows none(receiver_.width, receiver_.height, count);
+    std::array<SampleShadows, 2> shadows = {none, none};
+    for (const bool borrows : {false, true}) {
+      OcclusionCounter counter(scene_, *light_, receiver_, surface_offset_, Rules());
+      counter.StoreIn(shadows[borrows], 0);
+      if (borrows) counter.BorrowOutlines(lenders);
+      const auto status = counter.Add(samples, context_.arena, context_.stop);
+      if (!status.ok()) return status;
+    }
+    return LargestDifference(shadows[0], shadows[1], count,
+                             size_t{receiver_.width} * receiver_.height);
   }
 
   Artifact MakeArtifact(uint32_t done) {
@@ -247,7 +289,7 @@ class Computation {
   double surface_offset_;
   const Scene& scene_;
   EditPlan plan_;
-  std::vector<LightSample> samples_;
+  std::vector<LightSample> samples_, lenders_;  // lenders: where outlines are borrowed
   // What is drawn over the base, or everything where there is none; and what of the base has to be
   // drawn.
   OcclusionCounter moving_;

@@ -36,6 +36,9 @@ inline std::optional<VisibilityMethod> VisibilityMethodNamed(std::string_view na
   return std::nullopt;
 }
 
+// With more, an outline would be borrowed from far across the light.
+inline constexpr uint32_t kMaxSilhouetteReuse = 64;
+
 // How what reaches a texel is weighed, where radiance is asked for.
 enum class Shading : uint8_t {
   kProduct,    // visible fraction times the unoccluded radiance in closed form, equation 4.1
@@ -67,6 +70,8 @@ struct SoftTextureParams {
   bool radiance = false;  // put the radiance texture into the artifact, next to the counts
 
   VisibilityMethod method = VisibilityMethod::kAuto;  // makes no difference but of time
+  // Light samples, neighbours, that use one's outlines of meshes; 1: each has its own, exactly.
+  uint32_t silhouette_reuse = 1;
 
   // Of radiance.
   Shading shading = Shading::kProduct;
@@ -86,6 +91,8 @@ struct SoftTextureParams {
       {"radiance", "bool", "false", "", "deliver reflected radiance next to the counts"},
       {"method", "enum", "auto", "auto, coverage, edge_flag, silhouette or gl",
        "how hard shadows are drawn; all give the same counts"},
+      {"silhouette_reuse", "uint", "1", "1 to 64",
+       "neighbouring light samples that are drawn with one's outlines of meshes; 1: exact"},
       {"shading", "enum", "product", "product or sample_sum",
        "radiance as visible fraction times form factor, or summed over visible samples"},
       {"form_factor_error", "float", "0.001", "0 to 0.1",

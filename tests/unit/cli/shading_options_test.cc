@@ -20,7 +20,8 @@ absl::StatusOr<SoftTextureParams> Baked(std::vector<std::string> options) {
 TEST(ShadingOptions, SetWhatTheySay) {
   const auto params =
       Baked({"--shading", "sample_sum", "--form-factor-error", "0.01", "--ambient-radiance",
-             "0.1,0.2,0.3", "--output", "unorm8", "--output-scale", "4", "--count-bits", "16"});
+             "0.1,0.2,0.3", "--output", "unorm8", "--output-scale", "4", "--count-bits", "16",
+             "--silhouette-reuse", "8"});
   ASSERT_TRUE(params.ok()) << params.status();
   EXPECT_EQ(params->shading, Shading::kSampleSum);
   EXPECT_EQ(params->form_factor_error, 0.01f);
@@ -28,6 +29,7 @@ TEST(ShadingOptions, SetWhatTheySay) {
   EXPECT_EQ(params->output, RadianceFormat::kUnorm8);
   EXPECT_EQ(params->output_scale, 4);
   EXPECT_EQ(params->count_bits, CountBits::k16);
+  EXPECT_EQ(params->silhouette_reuse, 8u);
   EXPECT_TRUE(params->radiance);
   EXPECT_EQ(*Baked({}), SoftTextureParams{});
   EXPECT_FALSE(Baked({"--count-bits", "8"})->radiance);
@@ -41,6 +43,9 @@ TEST(ShadingOptions, NameThemselvesInErrors) {
   }
   EXPECT_FALSE(Baked({"--form-factor-error", "0.2"}).ok());
   EXPECT_FALSE(Baked({"--ambient-radiance", "1,2"}).ok());
+  for (const char* reuse : {"0", "1.5", "65", "-1"}) {
+    EXPECT_FALSE(Baked({"--silhouette-reuse", reuse}).ok()) << reuse;
+  }
 }
 
 }  // namespace

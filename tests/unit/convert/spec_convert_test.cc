@@ -37,6 +37,7 @@ TEST(SpecConvertTest, ShadingGoesThereAndBack) {
   for (size_t i = 0; i < 4; ++i) {
     const ArtifactSpec spec{
         .params = SoftTextureParams{.radiance = true,
+                                    .silhouette_reuse = static_cast<uint32_t>(1 + i),
                                     .shading = static_cast<Shading>(i % 2),
                                     .form_factor_error = 0.25f * i,
                                     .ambient = Vec3(0.1f * i, 2, 3),
@@ -56,12 +57,11 @@ TEST(SpecConvertTest, ShadingGoesThereAndBack) {
 // Artifacts that differ in any of it are different artifacts.
 TEST(SpecConvertTest, ShadingIsPartOfTheKey) {
   const ArtifactSpec plain{.params = SoftTextureParams{}, .light_id = "l", .receiver_id = "r"};
-  const SoftTextureParams others[] = {{.shading = Shading::kSampleSum},
-                                      {.form_factor_error = 1.0001e-3f},
-                                      {.ambient = Vec3(0, 0, 1e-7f)},
-                                      {.output = RadianceFormat::kHalf},
-                                      {.output_scale = 1},
-                                      {.count_bits = CountBits::k16}};
+  const SoftTextureParams others[] = {
+      {.silhouette_reuse = 2},           {.shading = Shading::kSampleSum},
+      {.form_factor_error = 1.0001e-3f}, {.ambient = Vec3(0, 0, 1e-7f)},
+      {.output = RadianceFormat::kHalf}, {.output_scale = 1},
+      {.count_bits = CountBits::k16}};
   for (const SoftTextureParams& params : others) {
     EXPECT_NE(SpecKey({params, "l", "r"}), SpecKey(plain));
   }

@@ -1,0 +1,59 @@
+#include "render/technique/soft_texture/borrowed_outlines.h"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "render/math/box_tree.h"
+
+namespace penumbra {
+namespace {
+
+double Distance(const LightSample& a, const LightSample& b) {
+  return glm::length(DVec3(a.point) - DVec3(b.point));
+}
+
+}  // namespace
+
+std::vector<LightSample> OutlineLenders(std::span<const LightSample> samples, uint32_t group_size) {
+  std::vector<Aabb> places;
+  for (const LightSample& sample : samples) places.push_back({sample.point, sample.point});
+  std::vector<LightSample> lenders(samples.begin(), samples.end());
+  BoxTree(places, group_size).VisitLeaves([&](std::span<const uint32_t> leaf) {
+    Aabb box;
+    for (const uint32_t s : leaf) box.Add(samples[s].point);
+    const auto from_middle = [&](uint32_t s) {
+      return glm::length(DVec3(samples[s].point) - DVec3(box.center()));
+    };
+    const uint32_t lender = *std::ranges::min_element(leaf, {}, from_middle);
+    for (const uint32_t s : leaf) lenders[s] = samples[lender];
+  });
+  return lenders;
+}
+
+std::vector<uint32_t> FurthestFromLenders(std::span<const LightSample> samples,
+                                          std::span<const LightSample> lenders, size_t most) {
+  std::vector<uint32_t> numbers(samples.size());
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  std::ranges::stable_sort(numbers, std::ranges::greater(),
+                           [&](uint32_t s) { return Distance(samples[s], lenders[s]); });
+  numbers.resize(std::min(most, numbers.size()));
+  return numbers;
+}
+
+double LargestDifference(const SampleShadows& a, const SampleShadows& b, uint32_t count,
+                         size_t texels) {
+  size_t largest = 0;
+  for (uint32_t sample = 0; sample < count; ++sample) {
+    size_t differing = 0;
+    const uint32_t* const in_a = a.Row(sample, 0);
+    const uint32_t* const in_b = b.Row(sample, 0);
+    for (size_t word = 0; word < a.sample_stride(); ++word) {
+      differing += static_cast<size_t>(std::popcount(in_a[word] ^ in_b[word]));
+    }
+    largest = std::max(largest, differing);
+  }
+  return static_cast<double>(largest) / static_cast<double>(texels);
+}
+
+}  // namespace penumbra
