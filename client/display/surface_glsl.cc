@@ -87,16 +87,24 @@ float Opacity() {
   return texelFetch(mask, min(texel, size - 1), 0).r;
 }
 
+vec3 pixel_x = vec3(0.0), pixel_y = vec3(0.0);  // to the same face's place in the next pixel
+
 // How well the receiver fits this point: 4 when the surface is the receiver, 3 where a texel of it lies here, 2 or
 // 1 next to one, 0 where the point is not on it.
 int Fit(uint code, vec3 face_normal) {
   Receiver receiver = receivers[code & ~$6u];
   if ((code & $4u) != 0u) return 4;
-  vec2 at = UvOnReceiver(receiver, position_inside);
-  float height = dot(receiver.normal.xyz, position_inside - receiver.origin.xyz);
-  const float rim = 1e-4;  // of the receiver's edge, for rounding
+  vec2 at = UvOnReceiver(receiver, Position());
+  // Of the receiver's edge, for rounding; where the face has but a part of the pixel, as far as the pixel reaches.
+  vec2 rim = vec2(1e-4);
+  if (position_at_center != position_inside) {
+    rim += abs(AcrossReceiver(receiver, pixel_x)) + abs(AcrossReceiver(receiver, pixel_y));
+  }
+  // At the centre, where a point is still on its plane: Mesa's software device divides what it interpolates
+  // elsewhere by the centre's w.
+  float height = dot(receiver.normal.xyz, position_at_center - receiver.origin.xyz);
   bool is_on = abs(height) <= receiver.origin.w && abs(dot(face_normal, receiver.normal.xyz)) > 0.999 &&
-               all(greaterThanEqual(at, vec2(-rim))) && all(lessThanEqual(at, vec2(1.0 + rim)));
+               all(greaterThanEqual(at, -rim)) && all(lessThanEqual(at, 1.0 + rim));
   if (!is_on) return 0;
   int coverage = Coverage(receiver, at);
   return coverage == 1 && (code & $5u) == 0u ? 0 : coverage;
@@ -131,6 +139,8 @@ vec3 Shade(vec3 position, vec3 face_normal, vec3 n) {
 }
 
 void main() {
+  pixel_x = dFdx(position_at_center);
+  pixel_y = dFdy(position_at_center);
   if (has_mask && Opacity() < alpha_cutoff) discard;
   vec3 face_normal = FaceNormal();
   bool from_behind = dot(face_normal, eye - position_inside) < 0.0;

@@ -21,9 +21,12 @@ struct Receiver {
   uvec4 mask;    // first word, 1 if there is one
 };
 
-vec2 UvOnReceiver(Receiver receiver, vec3 point) {
-  vec3 d = point - receiver.origin.xyz;
+vec2 AcrossReceiver(Receiver receiver, vec3 d) {
   return vec2(dot(receiver.dual_u.xyz, d), dot(receiver.dual_v.xyz, d));
+}
+
+vec2 UvOnReceiver(Receiver receiver, vec3 point) {
+  return AcrossReceiver(receiver, point - receiver.origin.xyz);
 }
 
 float FractionAt(Receiver receiver, ivec2 texel) {

@@ -76,7 +76,7 @@ struct ViewBall {
 class SilhouetteEdges {
  public:
   // Shapes  V positions, 3T indices < V
-  // Cost    O(T log T) time, 100 bytes a triangle
+  // Cost    O(T log T) time, 64 bytes a triangle of a closed mesh
   SilhouetteEdges(std::span<const Vec3> positions, std::span<const uint32_t> indices);
 
   // Appends the outline's edges as seen from `viewpoint`: (x, y, z, 1) a position, (x, y, z, 0) a

@@ -96,5 +96,35 @@ TEST_F(SurfaceReceiversTest, EachFaceFindsTheReceiverThatCoversIt) {
   }
 }
 
+// A room that is dark in all its corners, hundreds of units wide, with the eye near a wall: many
+// triangles are clipped, and those which share a pixel must each find their receiver.
+TEST_F(SurfaceReceiversTest, NoSeamOfADarkRoomIsLit) {
+  SceneDelta delta{
+      .upsert_instances = {{.id = "room", .mesh = Cuboid({0, 0, 0}, {556, 549, 559})},
+                           {.id = "block", .mesh = Cuboid({265, 0, 247}, {472, 330, 456})}},
+      .upsert_lights = {{.id = "l", .shape = PointLight{{278, 548, 279}, Vec3(1e6f)}}}};
+  for (const char* id : {"room", "block"}) {
+    for (uint32_t side = 0; side < 6; ++side) {
+      delta.upsert_receivers.push_back({.id = id + std::to_string(side),
+                                        .shape = PlanarSurface{id, 2 * side},
+                                        .width = 16,
+                                        .height = 16});
+    }
+  }
+  const auto scene = SceneOf(delta);
+  std::vector<std::shared_ptr<const Artifact>> dark;
+  for (const auto& [id, receiver] : scene->receivers()) {
+    dark.push_back(ArtifactOf(*scene, "l", id, 4, [](auto, auto) { return 0u; }));
+  }
+  for (const Vec3 eye : {Vec3(100, 200, 100), Vec3(30, 500, 400), Vec3(278, 273, 5)}) {
+    const Camera camera{.eye = eye, .target = {300, 150, 330}, .fov_y_deg = 70};
+    const auto picture =
+        Draw(*scene, dark, camera, {.width = 300, .height = 200, .draws_lights = false});
+    size_t lit = 0;
+    for (const Vec4& pixel : picture.pixels) lit += pixel.x > 0;
+    EXPECT_EQ(lit, 0u) << eye.x;
+  }
+}
+
 }  // namespace
 }  // namespace penumbra
