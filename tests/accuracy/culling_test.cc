@@ -16,8 +16,11 @@ std::vector<uint16_t> Counts(const Scene& scene, const ShadowRules& rules, uint3
   OcclusionCounter counter(scene, light, receiver, 1e-5, rules);
   tbb::task_arena arena(2);
   const auto points = SampleLight(light, samples, 1, receiver.patch.At(Vec2(0.5f)));
+  counter.CountDown(std::vector<uint16_t>(size_t{receiver.width} * receiver.height, samples));
   EXPECT_TRUE(counter.Add(points, arena, {}).ok());
-  return counter.counts();
+  std::vector<uint16_t> hidden = counter.TakeCounts();
+  for (uint16_t& count : hidden) count = static_cast<uint16_t>(samples - count);
+  return hidden;
 }
 
 uint64_t Sum(const std::vector<uint16_t>& counts) {

@@ -86,15 +86,15 @@ void MergePlanes(Planes planes, std::span<const std::vector<uint32_t>> others, u
 
 #if HWY_TARGET == HWY_SCALAR
 
-void AddPlaneCounts(std::span<const std::vector<uint32_t>> planes, uint32_t stride, uint32_t begin,
+void SubtractPlanes(std::span<const std::vector<uint32_t>> planes, uint32_t stride, uint32_t begin,
                     uint32_t end, uint32_t width, uint16_t* counts) {
   for (uint32_t row = begin; row < end; ++row) {
     for (uint32_t texel = 0; texel < width; ++texel) {
       const size_t word = size_t{texel / 32} * stride + row;
       uint32_t count = 0;
       for (size_t p = 0; p < planes.size(); ++p) count += (planes[p][word] >> texel % 32 & 1) << p;
-      uint16_t& sum = counts[size_t{row} * width + texel];
-      sum = static_cast<uint16_t>(sum + count);
+      uint16_t& left = counts[size_t{row} * width + texel];
+      left = static_cast<uint16_t>(left - count);
     }
   }
 }
@@ -150,7 +150,7 @@ HWY_INLINE void TransposeWords(hn::Vec<U32> (&rows)[4]) {
   rows[3] = hn::BitCast(u32, hn::InterleaveUpper(u64, c, d));
 }
 
-void AddPlaneCounts(std::span<const std::vector<uint32_t>> planes, uint32_t stride, uint32_t begin,
+void SubtractPlanes(std::span<const std::vector<uint32_t>> planes, uint32_t stride, uint32_t begin,
                     uint32_t end, uint32_t width, uint16_t* counts) {
   const U8 u8;
   const U16 u16;
@@ -176,14 +176,14 @@ void AddPlaneCounts(std::span<const std::vector<uint32_t>> planes, uint32_t stri
         if (groups > 2) BytesOf(rows[2][r], rows[3][r], high);
         uint16_t* const row_counts = counts + size_t{row + r} * width + 32 * column;
         uint16_t part[32] = {};  // where there is no room for whole vectors
-        uint16_t* const sums = texels == 32 ? row_counts : part;
+        uint16_t* const left = texels == 32 ? row_counts : part;
         if (texels < 32) std::copy_n(row_counts, texels, part);
         for (size_t k = 0; k < 2; ++k) {
           const auto lower = hn::BitCast(u16, hn::InterleaveLower(u8, low[k], high[k]));
           const auto upper = hn::BitCast(u16, hn::InterleaveUpper(u8, low[k], high[k]));
-          uint16_t* const at = sums + 16 * k;
-          hn::StoreU(hn::Add(hn::LoadU(u16, at), lower), u16, at);
-          hn::StoreU(hn::Add(hn::LoadU(u16, at + 8), upper), u16, at + 8);
+          uint16_t* const at = left + 16 * k;
+          hn::StoreU(hn::Sub(hn::LoadU(u16, at), lower), u16, at);
+          hn::StoreU(hn::Sub(hn::LoadU(u16, at + 8), upper), u16, at + 8);
         }
         if (texels < 32) std::copy_n(part, texels, row_counts);
       }
@@ -202,7 +202,7 @@ namespace penumbra {
 
 HWY_EXPORT(AddAndClear);
 HWY_EXPORT(MergePlanes);
-HWY_EXPORT(AddPlaneCounts);
+HWY_EXPORT(SubtractPlanes);
 
 namespace {
 
@@ -234,8 +234,9 @@ void BitmapCounter::Merge(const BitmapCounter& other, uint32_t begin, uint32_t e
   HWY_DYNAMIC_DISPATCH(MergePlanes)(planes_, other.planes_, batch_[0].stride, begin, end);
 }
 
-void BitmapCounter::AddTo(uint16_t* counts, uint32_t width, uint32_t begin, uint32_t end) const {
-  HWY_DYNAMIC_DISPATCH(AddPlaneCounts)(planes_, batch_[0].stride, begin, end, width, counts);
+void BitmapCounter::SubtractFrom(uint16_t* counts, uint32_t width, uint32_t begin,
+                                 uint32_t end) const {
+  HWY_DYNAMIC_DISPATCH(SubtractPlanes)(planes_, batch_[0].stride, begin, end, width, counts);
 }
 
 void BitmapCounter::Clear() {

@@ -2,7 +2,7 @@
 //
 //   BitmapCounter counter(width, rows, samples);
 //   for each sample: Draw(counter.next()), counter.CountNext();
-//   counter.Finish(), counter.AddTo(counts, {width, 0, rows});
+//   counter.Finish(), counter.SubtractFrom(counts, width, 0, rows);
 //
 // Counters are bit-sliced: plane p holds bit p of each texel's count. Four bitmaps are added at
 // once, by full adders that leave carries for later, as in Harley and Seal's counting of ones.
@@ -46,9 +46,9 @@ class BitmapCounter {
   }
   static constexpr uint32_t kRowStep = ShadowBitmap::kRowPadding;
 
-  // Adds the counts of rows [begin, end) to `counts`, `width` numbers a row, of which the first is
+  // Takes the counts of rows [begin, end) off `counts`, `width` numbers a row, of which the first is
   // row 0's.
-  void AddTo(uint16_t* counts, uint32_t width, uint32_t begin, uint32_t end) const;
+  void SubtractFrom(uint16_t* counts, uint32_t width, uint32_t begin, uint32_t end) const;
 
   // Begins anew, whatever has been drawn and counted.
   void Clear();

@@ -88,7 +88,7 @@ bool AreMostlyStill(const Scene& scene, const std::set<std::string>& moving) {
 std::shared_ptr<ShadowBase> NewBase(MemoryBudget& budget, const ShadowSubject& subject,
                                     std::set<std::string> moving) {
   const ReceiverPatch& receiver = subject.receiver;
-  const uint32_t samples = subject.params.samples;
+  const uint32_t samples = EffectiveSampleCount(subject.light, subject.params.samples);
   const size_t texels = size_t{receiver.width} * receiver.height;
   auto lease = budget.Take(SampleShadows::Bytes(receiver.width, receiver.height, samples) +
                            texels * sizeof(uint16_t));
@@ -98,7 +98,7 @@ std::shared_ptr<ShadowBase> NewBase(MemoryBudget& budget, const ShadowSubject& s
                  .lease = *std::move(lease),
                  .shadows = SampleShadows(receiver.width, receiver.height, samples),
                  .drawn = 0,
-                 .counts = std::vector<uint16_t>(texels, 0),
+                 .counts = std::vector<uint16_t>(texels, static_cast<uint16_t>(samples)),
                  .samples = {},
                  .counters = {}});
 }
@@ -125,7 +125,7 @@ void SampleShadows::Subtract(uint32_t sample, uint32_t first_row, ShadowBitmap& 
   }
 }
 
-std::vector<uint16_t> SampleShadows::Counts(uint32_t samples) const {
+void SampleShadows::SubtractFrom(std::vector<uint16_t>& counts, uint32_t samples) const {
   BitmapCounter counter(width_, height_, samples);
   for (uint32_t sample = 0; sample < samples; ++sample) {
     ShadowBitmap& bitmap = counter.next();
@@ -136,9 +136,7 @@ std::vector<uint16_t> SampleShadows::Counts(uint32_t samples) const {
     counter.CountNext();
   }
   counter.Finish();
-  std::vector<uint16_t> counts(size_t{width_} * height_, 0);
-  counter.AddTo(counts.data(), width_, 0, height_);
-  return counts;
+  counter.SubtractFrom(counts.data(), width_, 0, height_);
 }
 
 EditPlan PlanEdit(TechniqueMemory& memory, const ShadowSubject& subject, const Scene& scene) {

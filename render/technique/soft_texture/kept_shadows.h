@@ -39,10 +39,10 @@ class SampleShadows {
   // Clears the bits of `bitmap` that are set here.
   void Subtract(uint32_t sample, uint32_t first_row, ShadowBitmap& bitmap) const;
 
-  // How many of the first `samples` shadows hide each texel.
+  // Takes one off a texel's count for each of the first `samples` shadows that hides it.
   //
-  // Shapes  the texture's H×W → H·W counts, row by row
-  std::vector<uint16_t> Counts(uint32_t samples) const;
+  // Shapes  H·W counts, row by row
+  void SubtractFrom(std::vector<uint16_t>& counts, uint32_t samples) const;
 
   // The words of a row: those of the next column and of the next sample lie a stride further.
   const uint32_t* Row(uint32_t sample, uint32_t row) const { return &words_[At(sample, 0, row)]; }
@@ -74,7 +74,7 @@ struct ShadowBase {
   MemoryBudget::Lease lease;
   SampleShadows shadows;
   uint32_t drawn = 0;            // samples
-  std::vector<uint16_t> counts;  // H·W: how many of those drawn are hidden
+  std::vector<uint16_t> counts;  // H·W: all samples, less those drawn that are hidden
   std::vector<LightSample> samples;
   BitmapCounters counters;  // with which what moves is counted; some bitmaps a thread
 };

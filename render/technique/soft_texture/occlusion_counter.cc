@@ -30,9 +30,9 @@ OutlineRule RuleFor(VisibilityMethod method) {
   return OutlineRule::kNever;
 }
 
-// Adds what `counters` have counted to `counts`, the window's first texel's and on, and clears them.
-void AddCounts(std::span<BitmapCounter* const> counters, const TexelWindow& window,
-               uint16_t* counts) {
+// Takes what `counters` have counted off `counts`, the window's first texel's and on.
+void SubtractCounts(std::span<BitmapCounter* const> counters, const TexelWindow& window,
+                    uint16_t* counts) {
   uint32_t rows_begin = window.row_end - window.row_begin, rows_end = 0;
   for (BitmapCounter* const counter : counters) {
     counter->Finish();
@@ -47,7 +47,7 @@ void AddCounts(std::span<BitmapCounter* const> counters, const TexelWindow& wind
     const uint32_t begin = rows_begin + task * rows_per_task;
     const uint32_t end = std::min(rows_end, begin + rows_per_task);
     for (BitmapCounter* const other : counters.subspan(1)) counters[0]->Merge(*other, begin, end);
-    counters[0]->AddTo(counts, window.width, begin, end);
+    counters[0]->SubtractFrom(counts, window.width, begin, end);
   });
 }
 
@@ -196,7 +196,7 @@ void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<s
     if (shadows[w]) used.push_back(&counters_->Of(w));
   }
   if (!stop.stop_requested()) {
-    AddCounts(used, window, counts_.data() + size_t{window.row_begin} * receiver_.width);
+    SubtractCounts(used, window, counts_.data() + size_t{window.row_begin} * receiver_.width);
   }
   for (BitmapCounter* const counter : used) counter->Clear();
 }

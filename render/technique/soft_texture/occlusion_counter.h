@@ -2,7 +2,7 @@
 //
 //   OcclusionCounter counter(scene, light, receiver, surface_offset, {.method = …});
 //   if (auto status = counter.Add(samples, arena, stop); !status.ok()) return status;
-//   counter.counts()
+//   counter.counts()  // modulo 2¹⁶, below 0
 #pragma once
 
 #include <array>
@@ -55,8 +55,9 @@ class OcclusionCounter {
   void BorrowOutlines(std::span<const LightSample> lenders) { lenders_ = lenders; }
   // From now on threads count with what is in `counters`, and leave theirs there for others.
   void CountWith(BitmapCounters& counters) { counters_ = &counters; }
-  // From now on counts go on from `counts`, H·W, row by row.
-  void CountOnto(std::vector<uint16_t> counts) { counts_ = std::move(counts); }
+  // Every sample that a texel does not see takes one off its count, from now on off `counts`, H·W, row
+  // by row; before off 0, modulo 2¹⁶.
+  void CountDown(std::vector<uint16_t> counts) { counts_ = std::move(counts); }
 
   // Adds what hides `samples`. The result depends on neither the arena's size nor how samples are
   // split into calls.
@@ -66,9 +67,9 @@ class OcclusionCounter {
   absl::Status Add(std::span<const LightSample> samples, tbb::task_arena& arena,
                    const std::stop_token& stop);
 
-  // H·W, row by row; of what has been added.
+  // H·W, row by row.
   const std::vector<uint16_t>& counts() const { return counts_; }
-  // The same; counting begins anew.
+  // The same; counting begins anew, at 0.
   std::vector<uint16_t> TakeCounts() { return std::exchange(counts_, {}); }
 
  private:

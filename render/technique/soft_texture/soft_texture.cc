@@ -97,12 +97,10 @@ class Computation {
       plan_.base->samples = samples_;
       moving_.CountBeyond(plan_.base->shadows);
       moving_.CountWith(plan_.base->counters);
-      if (IsBaseDrawn() && FirstPassSamples(plan_.base->drawn) >= plan_.base->drawn) {
-        moving_.CountOnto(plan_.base->counts);
-        counts_have_base_ = true;
-      }
     }
-    if (ParamsOf(spec).method == VisibilityMethod::kGl) {
+    if (ParamsOf(spec).method != VisibilityMethod::kGl) {
+      CountDown();
+    } else {
       on_gl_.emplace(*context.gl, scene, receiver_, surface_offset_,
                      ParamsOf(spec).radiance ? light_.get() : nullptr);
     }
@@ -204,26 +202,38 @@ class Computation {
 
   bool IsBaseDrawn() const { return plan_.base && plan_.base->drawn == samples_.size(); }
 
-  // Of the first `done` samples. All of them: the counts are of no use any more.
+  // What moves is taken off all samples, or off what the base leaves of them if that is known before
+  // the only pass.
+  void CountDown() {
+    const auto n = static_cast<uint32_t>(samples_.size());
+    counts_have_base_ = IsBaseDrawn() && FirstPassSamples(n) >= n;
+    moving_.CountDown(counts_have_base_
+                          ? plan_.base->counts
+                          : std::vector<uint16_t>(size_t{receiver_.width} * receiver_.height,
+                                                  static_cast<uint16_t>(n)));
+  }
+
+  // Of the first `done` samples. All of them: moving_'s counts are gone then.
   std::vector<uint16_t> VisibleCounts(uint32_t done) {
-    const bool is_last = done == samples_.size();
-    std::vector<uint16_t> counts = on_gl_    ? on_gl_->counts()
-                                   : is_last ? moving_.TakeCounts()
-                                             : moving_.counts();
-    const auto subtract_from_all = [&](const std::vector<uint16_t>& others) {
-      std::transform(
-          counts.begin(), counts.end(), others.begin(), counts.begin(),
-          [done](uint16_t a, uint16_t b) { return static_cast<uint16_t>(done - a - b); });
-    };
-    if (!plan_.base || counts_have_base_) {
-      for (uint16_t& count : counts) count = static_cast<uint16_t>(done - count);
-    } else if (plan_.base->drawn == done) {
-      subtract_from_all(plan_.base->counts);
-    } else {
-      subtract_from_all(plan_.base->shadows.Counts(done));
+    const auto n = static_cast<uint32_t>(samples_.size());
+    std::vector<uint16_t> visible = on_gl_      ? on_gl_->counts()
+                                    : done == n ? moving_.TakeCounts()
+                                                : moving_.counts();
+    if (on_gl_) {
+      for (uint16_t& count : visible) count = static_cast<uint16_t>(done - count);
+    } else if (plan_.base && !counts_have_base_) {
+      if (plan_.base->drawn == done) {
+        std::transform(visible.begin(), visible.end(), plan_.base->counts.begin(), visible.begin(),
+                       [n](uint16_t a, uint16_t b) { return static_cast<uint16_t>(a + b - n); });
+      } else {
+        plan_.base->shadows.SubtractFrom(visible, done);
+      }
     }
-    coverage_.FillOutside(counts);
-    return counts;
+    if (!on_gl_ && done < n) {
+      for (uint16_t& count : visible) count = static_cast<uint16_t>(count + done - n);
+    }
+    coverage_.FillOutside(visible);
+    return visible;
   }
 
   bool BorrowsOutlines() const {

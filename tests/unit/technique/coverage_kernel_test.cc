@@ -173,13 +173,14 @@ void Scatter(std::mt19937& random, ShadowBitmap& bitmap, std::vector<uint16_t>& 
 TEST_P(CoverageKernelTest, CountsEveryBitmapThatWasAdded) {
   BitmapCounter counter(kWidth, kHeight, 700);
   for (const int samples : {1, 2, 3, 4, 5, 31, 255, 256, 700}) {
-    std::vector<uint16_t> expected(kWidth * kHeight, 1000), found(kWidth * kHeight, 1000);
+    std::vector<uint16_t> expected(kWidth * kHeight, 0), found(kWidth * kHeight, 1000);
     for (int sample = 0; sample < samples; ++sample) {
       Scatter(random_, counter.next(), expected);
       counter.CountNext();
     }
     counter.Finish();
-    counter.AddTo(found.data(), kWidth, 0, kHeight);
+    counter.SubtractFrom(found.data(), kWidth, 0, kHeight);
+    for (uint16_t& count : found) count = static_cast<uint16_t>(1000 - count);
     ASSERT_EQ(found, expected) << samples;
     Scatter(random_, counter.next(), expected);  // and does not count it
     counter.Clear();
@@ -188,7 +189,7 @@ TEST_P(CoverageKernelTest, CountsEveryBitmapThatWasAdded) {
 
 TEST_P(CoverageKernelTest, MergesWhatThreadsHaveCounted) {
   std::vector<BitmapCounter> counters(3, BitmapCounter(kWidth, kHeight, 60));
-  std::vector<uint16_t> expected(kWidth * kHeight, 0), found(kWidth * kHeight, 0);
+  std::vector<uint16_t> expected(kWidth * kHeight, 0), found(kWidth * kHeight, 60);
   for (int sample = 0; sample < 60; ++sample) {
     BitmapCounter& counter = counters[sample % 7 % 3];
     Scatter(random_, counter.next(), expected);
@@ -200,12 +201,13 @@ TEST_P(CoverageKernelTest, MergesWhatThreadsHaveCounted) {
     const uint32_t end = std::min(begin + 2 * BitmapCounter::kRowStep, kHeight);
     counters[0].Merge(counters[1], begin, end);
     counters[0].Merge(counters[2], begin, end);
-    counters[0].AddTo(found.data(), kWidth, begin, end);
+    counters[0].SubtractFrom(found.data(), kWidth, begin, end);
   }
+  for (uint16_t& count : found) count = static_cast<uint16_t>(60 - count);
   EXPECT_EQ(found, expected);
   // What came from others is forgotten with the rest.
   counters[0].Clear();
-  counters[0].AddTo(found.data(), kWidth, 0, kHeight);
+  counters[0].SubtractFrom(found.data(), kWidth, 0, kHeight);
   EXPECT_EQ(found, expected);
 }
 
