@@ -31,7 +31,10 @@ void ParallelForRange(const Range& range, const Body& body) {
 // Calls `body(i)` for each i in [0, count).
 template <typename Index, typename Body>
 void ParallelFor(Index count, const Body& body) {
-  if (count == 1) return body(Index{0});
+  if (count == 1) {  // not worth a task
+    body(Index{0});
+    return;
+  }
   ParallelForRange(tbb::blocked_range<Index>(0, count), [&](const tbb::blocked_range<Index>& part) {
     for (Index i = part.begin(); i < part.end(); ++i) body(i);
   });

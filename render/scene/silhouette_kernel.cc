@@ -294,33 +294,44 @@ size_t CopySometimes(std::span<const EdgeCluster> edges, size_t count,
   const F f;
   const U u;
   const View view(viewpoint);
-  // A cluster is arrays of as many words, each handled like any other; here they go on into a
-  // second one.
-  constexpr size_t kArrays = sizeof(EdgeCluster) / (kClusterEdges * sizeof(uint32_t));
-  static_assert(sizeof(EdgeCluster) == kArrays * kClusterEdges * sizeof(uint32_t));
-  alignas(64) uint32_t pending[kArrays][2 * kClusterEdges] = {};
-  copies.reserve(edges.size());  // addresses; memory is taken for what is written
+  // Edges that do not make a cluster yet. A vector that is added may reach into a second one.
+  constexpr size_t kRoom = 2 * kClusterEdges;
+  alignas(64) uint32_t vertices[2][kRoom] = {};
+  alignas(64) float planes[8][kRoom] = {};
   size_t size = 0;
   const auto end_cluster = [&] {
-    auto* words = reinterpret_cast<uint32_t*>(&copies.emplace_back());
-    for (auto& array : pending) {
-      words = std::copy_n(array, kClusterEdges, words);
-      std::copy_n(array + kClusterEdges, kClusterEdges, array);
-    }
+    EdgeCluster& cluster = copies.emplace_back();
+    uint32_t* const vertex_arrays[2] = {cluster.from, cluster.to};
+    float* const plane_arrays[8] = {cluster.left.x,      cluster.left.y,      cluster.left.z,
+                                    cluster.left.offset, cluster.right.x,     cluster.right.y,
+                                    cluster.right.z,     cluster.right.offset};
+    const auto move = [](auto& from, auto* to) {
+      std::copy_n(from, kClusterEdges, to);
+      std::copy_n(from + kClusterEdges, kClusterEdges, from);
+    };
+    for (size_t a = 0; a < 2; ++a) move(vertices[a], vertex_arrays[a]);
+    for (size_t a = 0; a < 8; ++a) move(planes[a], plane_arrays[a]);
   };
   ForEachCluster(edges, levels, viewpoint, radius, [&](size_t c) HWY_ATTR {
-    const auto* words = reinterpret_cast<const uint32_t*>(&edges[c]);
+    const EdgeCluster& cluster = edges[c];
     for (size_t k = 0; k < kClusterEdges; k += hn::Lanes(f)) {
       const size_t e = c * kClusterEdges + k;
       if (e >= count) break;
-      const auto sometimes =
-          hn::And(Sometimes(edges[c], k, view, radius), hn::FirstN(f, count - e));
+      const auto sometimes = hn::And(Sometimes(cluster, k, view, radius), hn::FirstN(f, count - e));
       const uint32_t bits = BitsOf(sometimes);
       if (bits == 0) continue;
-      for (size_t a = 0; a < kArrays; ++a) {
-        StorePacked(u, hn::Load(u, words + a * kClusterEdges + k), hn::RebindMask(u, sometimes),
-                    bits, pending[a] + size);
-      }
+      const auto in_u = hn::RebindMask(u, sometimes);
+      StorePacked(u, hn::Load(u, cluster.from + k), in_u, bits, vertices[0] + size);
+      StorePacked(u, hn::Load(u, cluster.to + k), in_u, bits, vertices[1] + size);
+      const Planes left = LoadPlanes(cluster.left, k), right = LoadPlanes(cluster.right, k);
+      StorePacked(f, left.x, sometimes, bits, planes[0] + size);
+      StorePacked(f, left.y, sometimes, bits, planes[1] + size);
+      StorePacked(f, left.z, sometimes, bits, planes[2] + size);
+      StorePacked(f, left.offset, sometimes, bits, planes[3] + size);
+      StorePacked(f, right.x, sometimes, bits, planes[4] + size);
+      StorePacked(f, right.y, sometimes, bits, planes[5] + size);
+      StorePacked(f, right.z, sometimes, bits, planes[6] + size);
+      StorePacked(f, right.offset, sometimes, bits, planes[7] + size);
       size += static_cast<size_t>(__builtin_popcount(bits));
       if (size < kClusterEdges) continue;
       end_cluster();
@@ -328,7 +339,8 @@ size_t CopySometimes(std::span<const EdgeCluster> edges, size_t count,
     }
   });
   const size_t copied = copies.size() * kClusterEdges + size;
-  for (auto& array : pending) std::fill(array + size, std::end(array), 0u);
+  for (auto& array : vertices) std::fill(array + size, std::end(array), 0u);
+  for (auto& array : planes) std::fill(array + size, std::end(array), 0.0f);
   if (size > 0) end_cluster();
   return copied;
 }

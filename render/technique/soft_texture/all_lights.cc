@@ -39,6 +39,10 @@ class Sum {
     absl::StrAppend(&lights_, lights_.empty() ? "" : " ", light_id, ":", samples);
     const double uncertain = double{artifact.header.error_estimate} * samples;
     variance_ += uncertain * uncertain;
+    const auto error = artifact.header.parameters.find("silhouette_reuse_error");
+    if (error != artifact.header.parameters.end()) {
+      borrowing_error_ = std::max(borrowing_error_, std::stod(error->second));
+    }
     scale_ += LargestUnoccluded(share, params().form_factor_error);
     if (total_.header.technique.empty()) {
       total_ = std::move(artifact);
@@ -81,6 +85,9 @@ class Sum {
     header.parameters = EffectiveParameters(effective, params().samples);
     header.parameters["surface_offset_m"] = offset;
     header.parameters["lights"] = lights_;
+    if (BorrowsOutlines(params())) {
+      header.parameters["silhouette_reuse_error"] = absl::StrFormat("%.3g", borrowing_error_);
+    }
     if (IsUnorm(texture.radiance->format)) {
       header.parameters["output_scale"] = absl::StrFormat("%.9g", texture.radiance->scale);
     }
@@ -94,6 +101,7 @@ class Sum {
   Artifact total_;
   std::string lights_;
   double variance_ = 0;
+  double borrowing_error_ = 0;  // of the light where it is largest
   float scale_ = 0;
 };
 

@@ -263,6 +263,11 @@ void BitmapCounters::Prepare(size_t threads, uint32_t width, uint32_t rows, uint
   if (counters_.size() < threads) counters_.resize(threads);
 }
 
+size_t BitmapCounters::Bytes(size_t threads, uint32_t width, uint32_t rows, uint32_t most) {
+  const size_t words = size_t{(width + 31) / 32} * (rows + ShadowBitmap::kRowPadding);
+  return threads * sizeof(uint32_t) * words * (BitmapCounter::kBatch + PlaneCount(most));
+}
+
 BitmapCounter& BitmapCounters::Of(size_t thread) {
   std::unique_ptr<BitmapCounter>& counter = counters_[thread];
   if (!counter) counter = std::make_unique<BitmapCounter>(width_, rows_, most_);

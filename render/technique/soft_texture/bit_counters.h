@@ -1,4 +1,4 @@
-// Counting how many of a series of bitmaps have each bit set, 256 texels at a time.
+// Counting how many of a series of bitmaps have each bit set, a vector of texels at a time.
 //
 //   BitmapCounter counter(width, rows, samples);
 //   for each sample: Draw(counter.next()), counter.CountNext();
@@ -53,14 +53,21 @@ class BitmapCounter {
   // Begins anew, whatever has been drawn and counted.
   void Clear();
 
- private:
-  static constexpr size_t kBatch = 4;
+  static constexpr size_t kBatch = 4;  // bitmaps that are added at once
 
+ private:
   std::array<ShadowBitmap, kBatch> batch_;
   size_t in_batch_ = 0;
   std::vector<std::vector<uint32_t>> planes_;  // in the bitmaps' layout
   uint32_t rows_begin_ = std::numeric_limits<uint32_t>::max(), rows_end_ = 0;
 };
+
+// Rows of a texture that are drawn at a time: a bitmap of them should stay in a core's second-level
+// cache together with its counters.
+constexpr uint32_t BandRows(uint32_t width, uint32_t height) {
+  constexpr uint32_t kBandWords = 1u << 13;
+  return std::clamp(kBandWords / ((width + 31) / 32), 1u, height);
+}
 
 // A counter for each thread, all of one shape, so that they can be merged. Kept where textures of
 // one size are counted again and again.
@@ -70,6 +77,11 @@ class BitmapCounters {
   void Prepare(size_t threads, uint32_t width, uint32_t rows, uint32_t most);
   // A thread's own, for it to count with.
   BitmapCounter& Of(size_t thread);
+  // Forgets all, in whatever state it is.
+  void Drop() { counters_.clear(); }
+
+  // That `threads` of them take.
+  static size_t Bytes(size_t threads, uint32_t width, uint32_t rows, uint32_t most);
 
  private:
   uint32_t width_ = 0, rows_ = 0, most_ = 0;

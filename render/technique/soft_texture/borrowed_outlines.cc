@@ -42,18 +42,26 @@ std::vector<uint32_t> FurthestFromLenders(std::span<const LightSample> samples,
 }
 
 double LargestDifference(const SampleShadows& a, const SampleShadows& b, uint32_t count,
-                         size_t texels) {
-  size_t largest = 0;
+                         uint32_t width, uint32_t height, const CoverageMask* inside) {
+  const auto is_inside = [&](size_t texel) { return inside == nullptr || inside->At(texel); };
+  size_t texels = 0, largest = 0;
+  for (size_t texel = 0; texel < size_t{width} * height; ++texel) texels += is_inside(texel);
   for (uint32_t sample = 0; sample < count; ++sample) {
     size_t differing = 0;
-    const uint32_t* const in_a = a.Row(sample, 0);
-    const uint32_t* const in_b = b.Row(sample, 0);
-    for (size_t word = 0; word < a.sample_stride(); ++word) {
-      differing += static_cast<size_t>(std::popcount(in_a[word] ^ in_b[word]));
+    for (uint32_t row = 0; row < height; ++row) {
+      const uint32_t* const in_a = a.Row(sample, row);
+      const uint32_t* const in_b = b.Row(sample, row);
+      for (uint32_t column = 0; 32 * column < width; ++column) {
+        const size_t word = column * a.column_stride();
+        for (uint32_t bits = in_a[word] ^ in_b[word]; bits != 0; bits &= bits - 1) {
+          const uint32_t bit = static_cast<uint32_t>(std::countr_zero(bits));
+          differing += is_inside(size_t{row} * width + 32 * column + bit);
+        }
+      }
     }
     largest = std::max(largest, differing);
   }
-  return static_cast<double>(largest) / static_cast<double>(texels);
+  return texels == 0 ? 0 : static_cast<double>(largest) / static_cast<double>(texels);
 }
 
 }  // namespace penumbra

@@ -1,13 +1,14 @@
 // Outlines that light samples borrow from a neighbour, as an option: what is seen of a mesh changes
 // little from one sample to the next, and finding it takes time.
 //
-// Source  Herf 1997, §4.4: silhouettes reused across samples
+// Source  Herf 1997, §4.4.2: silhouettes reused across samples
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "render/scene/coverage_mask.h"
 #include "render/scene/light_sample.h"
 #include "render/technique/soft_texture/kept_shadows.h"
 
@@ -23,9 +24,9 @@ std::vector<LightSample> OutlineLenders(std::span<const LightSample> samples, ui
 std::vector<uint32_t> FurthestFromLenders(std::span<const LightSample> samples,
                                           std::span<const LightSample> lenders, size_t most);
 
-// The largest part of a texture's `texels` that one of `count` samples hides in one and not in the
-// other.
+// The largest part of a texture's texels, of those `inside` if it is not null, that one of `count`
+// samples hides in one and not in the other.
 double LargestDifference(const SampleShadows& a, const SampleShadows& b, uint32_t count,
-                         size_t texels);
+                         uint32_t width, uint32_t height, const CoverageMask* inside);
 
 }  // namespace penumbra

@@ -1,5 +1,6 @@
 #include "render/technique/soft_texture/hard_shadow.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -38,8 +39,9 @@ void HardShadow::FindOutlines(std::span<const LightSample> lenders, const Occlud
   list_of_.clear();
   std::vector<LightSample> unequal;
   for (const LightSample& lender : lenders) {
-    if (unequal.empty() || unequal.back().point != lender.point) unequal.push_back(lender);
-    list_of_.push_back(unequal.size() - 1);
+    const auto known = std::ranges::find(unequal, lender.point, &LightSample::point);
+    list_of_.push_back(static_cast<size_t>(known - unequal.begin()));
+    if (known == unequal.end()) unequal.push_back(lender);
   }
   found_.resize(seen.size());
   for (size_t o = 0; o < seen.size(); ++o) {

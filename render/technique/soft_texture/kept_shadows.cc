@@ -1,6 +1,7 @@
 #include "render/technique/soft_texture/kept_shadows.h"
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 namespace penumbra {
@@ -90,8 +91,10 @@ std::shared_ptr<ShadowBase> NewBase(MemoryBudget& budget, const ShadowSubject& s
   const ReceiverPatch& receiver = subject.receiver;
   const uint32_t samples = EffectiveSampleCount(subject.light, subject.params.samples);
   const size_t texels = size_t{receiver.width} * receiver.height;
-  auto lease = budget.Take(SampleShadows::Bytes(receiver.width, receiver.height, samples) +
-                           texels * sizeof(uint16_t));
+  auto lease = budget.Take(
+      SampleShadows::Bytes(receiver.width, receiver.height, samples) + texels * sizeof(uint16_t) +
+      BitmapCounters::Bytes(std::thread::hardware_concurrency(), receiver.width,
+                            BandRows(receiver.width, receiver.height), samples));
   if (!lease) return nullptr;
   return std::make_shared<ShadowBase>(
       ShadowBase{.moving = std::move(moving),
@@ -100,7 +103,8 @@ std::shared_ptr<ShadowBase> NewBase(MemoryBudget& budget, const ShadowSubject& s
                  .drawn = 0,
                  .counts = std::vector<uint16_t>(texels, static_cast<uint16_t>(samples)),
                  .samples = {},
-                 .counters = {}});
+                 .counters = {},
+                 .borrowing_error = {}});
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -76,7 +77,8 @@ struct ShadowBase {
   uint32_t drawn = 0;            // samples
   std::vector<uint16_t> counts;  // H·W: all samples, less those drawn that are hidden
   std::vector<LightSample> samples;
-  BitmapCounters counters;  // with which what moves is counted; some bitmaps a thread
+  BitmapCounters counters;                // with which what moves is counted
+  std::optional<double> borrowing_error;  // of what stays, once all is drawn
 };
 
 struct EditPlan {

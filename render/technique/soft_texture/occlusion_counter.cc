@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
 #include "render/math/box_tree.h"
 #include "render/math/parallel_for.h"
 #include "render/technique/soft_texture/bit_counters.h"
@@ -14,11 +15,8 @@
 namespace penumbra {
 namespace {
 
-// A band's bitmap should stay in a core's second-level cache together with its counters.
-constexpr uint32_t kBandWords = 1u << 13;
-
-// Samples for which the edges of outlines are narrowed down together: with twice as many there are
-// more edges to look at for each, with half as many the choice is made more often.
+// Samples whose outlines are found together: with twice as many more edges are looked at for nothing,
+// with half as many each edge is asked about more often.
 constexpr size_t kNeighbours = 8;
 
 // Texels whose counts one task adds: fewer take less time than handing them over.
@@ -163,6 +161,8 @@ void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<s
                                int worker_count, const std::stop_token& stop) {
   counters_->Prepare(worker_count, receiver_.width, window.row_end - window.row_begin,
                      static_cast<uint32_t>(jobs.size()));
+  // Should memory run out on the way, what is half drawn must not be found by the next computation.
+  absl::Cleanup drop = [this] { counters_->Drop(); };
   std::vector<std::optional<HardShadow>> shadows(worker_count);  // made by who gets a group
   std::atomic<size_t> next{0};
   const auto add_group = [&](HardShadow& shadow, BitmapCounter& counter,
@@ -199,6 +199,7 @@ void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<s
     SubtractCounts(used, window, counts_.data() + size_t{window.row_begin} * receiver_.width);
   }
   for (BitmapCounter* const counter : used) counter->Clear();
+  std::move(drop).Cancel();
 }
 
 void OcclusionCounter::SumBand(std::span<const LightSample> samples, const TexelWindow& window,
@@ -214,8 +215,7 @@ absl::Status OcclusionCounter::Add(std::span<const LightSample> samples, tbb::ta
   if (counts_.empty()) counts_.resize(size_t{receiver_.width} * receiver_.height);
   std::vector<Job> jobs = JobsFor(samples, stop);
   const Outlines outlines = OutlinesFor(jobs, arena);
-  const uint32_t columns = (receiver_.width + 31) / 32;
-  const uint32_t band_rows = std::clamp(kBandWords / columns, 1u, receiver_.height);
+  const uint32_t band_rows = BandRows(receiver_.width, receiver_.height);
   const int worker_count = std::min(arena.max_concurrency(), static_cast<int>(jobs.size()));
   // Every thread should have two groups at least; without outlines there is nothing to share.
   const bool has_outlines = !outlines[0].empty() || !outlines[1].empty();

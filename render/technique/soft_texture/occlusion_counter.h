@@ -1,8 +1,9 @@
-// Counts, for each texel of a receiver, the light samples that occluders hide from it.
+// Counts, for each texel of a receiver, the light samples that occluders leave to it.
 //
 //   OcclusionCounter counter(scene, light, receiver, surface_offset, {.method = …});
+//   counter.CountDown(std::vector<uint16_t>(width * height, samples.size()));
 //   if (auto status = counter.Add(samples, arena, stop); !status.ok()) return status;
-//   counter.counts()  // modulo 2¹⁶, below 0
+//   counter.counts()
 #pragma once
 
 #include <array>
@@ -67,7 +68,7 @@ class OcclusionCounter {
   absl::Status Add(std::span<const LightSample> samples, tbb::task_arena& arena,
                    const std::stop_token& stop);
 
-  // H·W, row by row.
+  // H·W, row by row; none before the first call of Add or CountDown.
   const std::vector<uint16_t>& counts() const { return counts_; }
   // The same; counting begins anew, at 0.
   std::vector<uint16_t> TakeCounts() { return std::exchange(counts_, {}); }
@@ -94,7 +95,7 @@ class OcclusionCounter {
   // and the end.
   static std::vector<size_t> GroupNeighbours(std::vector<Job>& jobs, size_t group_size);
   Outlines OutlinesFor(const std::vector<Job>& jobs, tbb::task_arena& arena) const;
-  // Adds all jobs to the counts of the window's rows; leaves them as they are once stopped.
+  // Takes what all jobs hide off the counts of the window's rows; leaves them as they are once stopped.
   void AddBand(const std::vector<Job>& jobs, const std::vector<size_t>& groups,
                const Outlines& outlines, const TexelWindow& window, int worker_count,
                const std::stop_token& stop);

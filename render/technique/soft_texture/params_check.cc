@@ -62,7 +62,7 @@ std::map<std::string, std::string> EffectiveParameters(const SoftTextureParams& 
                                              {"seed", absl::StrCat(params.seed)},
                                              {"radiance", params.radiance ? "true" : "false"},
                                              {"method", std::string(NameOf(params.method))}};
-  if (params.silhouette_reuse > 1) {
+  if (BorrowsOutlines(params)) {
     text["silhouette_reuse"] = absl::StrCat(params.silhouette_reuse);
   }
   if (params.radiance) {

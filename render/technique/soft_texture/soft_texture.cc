@@ -99,7 +99,7 @@ class Computation {
       moving_.CountWith(plan_.base->counters);
     }
     if (ParamsOf(spec).method != VisibilityMethod::kGl) {
-      CountDown();
+      StartCounts();
     } else {
       on_gl_.emplace(*context.gl, scene, receiver_, surface_offset_,
                      ParamsOf(spec).radiance ? light_.get() : nullptr);
@@ -154,7 +154,10 @@ class Computation {
     if (shading.method == VisibilityMethod::kGl) shading.shading = Shading::kProduct;
     return shading;
   }
-  ShadowRules Rules() const { return {.method = params().method}; }
+  // Where outlines are borrowed, which meshes have one must not depend on what else is drawn.
+  ShadowRules Rules() const {
+    return {.method = BorrowsOutlines() ? VisibilityMethod::kSilhouette : params().method};
+  }
   CasterChoice CastersOf(bool moving) const {
     if (!plan_.base) return {};
     return {.ids = &plan_.base->moving, .all_but_ids = !moving};
@@ -204,7 +207,7 @@ class Computation {
 
   // What moves is taken off all samples, or off what the base leaves of them if that is known before
   // the only pass.
-  void CountDown() {
+  void StartCounts() {
     const auto n = static_cast<uint32_t>(samples_.size());
     counts_have_base_ = IsBaseDrawn() && FirstPassSamples(n) >= n;
     moving_.CountDown(counts_have_base_
@@ -236,13 +239,24 @@ class Computation {
     return visible;
   }
 
-  bool BorrowsOutlines() const {
-    return params().silhouette_reuse > 1 && params().method != VisibilityMethod::kGl;
+  bool BorrowsOutlines() const { return penumbra::BorrowsOutlines(params()); }
+
+  // At most the sum of what goes wrong with what moves and with what stays, which is told once.
+  absl::StatusOr<double> ErrorOfBorrowing() {
+    if (!plan_.base) return ErrorOfBorrowing({});
+    std::optional<double>& still = plan_.base->borrowing_error;
+    if (!still) {
+      const auto error = ErrorOfBorrowing(CastersOf(false));
+      if (!error.ok()) return error;
+      still = *error;
+    }
+    const auto moving = ErrorOfBorrowing(CastersOf(true));
+    return moving.ok() ? std::min(1.0, *still + *moving) : moving;
   }
 
   // The largest part of the texels that a light sample sees wrongly, of those samples that are
   // furthest from where their outlines were found, each drawn both ways.
-  absl::StatusOr<double> ErrorOfBorrowing() {
+  absl::StatusOr<double> ErrorOfBorrowing(const CasterChoice& casters) {
     const std::vector<uint32_t> checked = FurthestFromLenders(samples_, lenders_, kSamplesChecked);
     const auto count = static_cast<uint32_t>(checked.size());
     std::vector<LightSample> samples, lenders;
@@ -253,14 +267,14 @@ class Computation {
     const SampleShadows none(receiver_.width, receiver_.height, count);
     std::array<SampleShadows, 2> shadows = {none, none};
     for (const bool borrows : {false, true}) {
-      OcclusionCounter counter(scene_, *light_, receiver_, surface_offset_, Rules());
+      OcclusionCounter counter(scene_, *light_, receiver_, surface_offset_, Rules(), casters);
       counter.StoreIn(shadows[borrows], 0);
       if (borrows) counter.BorrowOutlines(lenders);
       const auto status = counter.Add(samples, context_.arena, context_.stop);
       if (!status.ok()) return status;
     }
-    return LargestDifference(shadows[0], shadows[1], count,
-                             size_t{receiver_.width} * receiver_.height);
+    return LargestDifference(shadows[0], shadows[1], count, receiver_.width, receiver_.height,
+                             coverage_.mask().get());
   }
 
   Artifact MakeArtifact(uint32_t done) {

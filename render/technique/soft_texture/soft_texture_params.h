@@ -12,7 +12,8 @@
 
 namespace penumbra {
 
-// How the hard shadow of one light sample is drawn. All give the same counts.
+// How the hard shadow of one light sample is drawn. All give the same counts, unless outlines are
+// borrowed (silhouette_reuse).
 enum class VisibilityMethod : uint8_t {
   kAuto,        // whichever is quickest for each occluder
   kCoverage,    // every triangle is filled
@@ -69,8 +70,9 @@ struct SoftTextureParams {
   uint64_t seed = 1;      // of the jitter
   bool radiance = false;  // put the radiance texture into the artifact, next to the counts
 
-  VisibilityMethod method = VisibilityMethod::kAuto;  // makes no difference but of time
-  // Light samples, neighbours, that use one's outlines of meshes; 1: each has its own, exactly.
+  VisibilityMethod method = VisibilityMethod::kAuto;  // makes no difference of itself but of time
+  // Of auto and silhouette: neighbouring light samples that use one's outlines of meshes; 1: each has
+  // its own, exactly.
   uint32_t silhouette_reuse = 1;
 
   // Of radiance.
@@ -90,9 +92,9 @@ struct SoftTextureParams {
        "of the jitter: the same seed gives the same bits"},
       {"radiance", "bool", "false", "", "deliver reflected radiance next to the counts"},
       {"method", "enum", "auto", "auto, coverage, edge_flag, silhouette or gl",
-       "how hard shadows are drawn; all give the same counts"},
+       "how hard shadows are drawn; all give the same counts, where nothing is reused"},
       {"silhouette_reuse", "uint", "1", "1 to 64",
-       "neighbouring light samples that are drawn with one's outlines of meshes; 1: exact"},
+       "of auto and silhouette: neighbouring light samples that share one's outlines; 1: exact"},
       {"shading", "enum", "product", "product or sample_sum",
        "radiance as visible fraction times form factor, or summed over visible samples"},
       {"form_factor_error", "float", "0.001", "0 to 0.1",
@@ -116,5 +118,11 @@ struct SoftTextureParams {
       .parameters = kParameters,
   };
 };
+
+// Whether samples are drawn with outlines that others see.
+constexpr bool BorrowsOutlines(const SoftTextureParams& params) {
+  return params.silhouette_reuse > 1 && (params.method == VisibilityMethod::kAuto ||
+                                         params.method == VisibilityMethod::kSilhouette);
+}
 
 }  // namespace penumbra

@@ -138,6 +138,9 @@ TEST(SilhouetteEdges, OfSmoothAndDentedBalls) {
   ExpectOutlines(Ball(50, 50, 0.1), 60);
 }
 
+// Enough edges for the hierarchy of clusters to be asked.
+TEST(SilhouetteEdges, OfALargeBall) { ExpectOutlines(Ball(200, 120, 0.02), 4); }
+
 TEST(SilhouetteEdges, OfBoxesSquaresAndNothing) {
   ExpectOutlines(UnitBoxGeometry(), 60);
   ExpectOutlines(UnitSquareGeometry(), 60);

@@ -68,23 +68,70 @@ TEST(BorrowedOutlines, AreNearlyRightAndSayHowNearly) {
 
 TEST(BorrowedOutlines, ChangeNothingOfWhatHasNone) {
   const auto scene = TorusScene();
-  const auto counts = [&](uint32_t reuse) {
-    return Compute(*scene, {.method = VisibilityMethod::kCoverage, .silhouette_reuse = reuse})
-        .value();
-  };
-  EXPECT_EQ(CountsOf(counts(8)), CountsOf(counts(1)));
-  EXPECT_EQ(ReportedError(counts(8)), 0);
+  for (const auto method : {VisibilityMethod::kCoverage, VisibilityMethod::kEdgeFlag}) {
+    const auto computed = [&](uint32_t reuse) {
+      return Compute(*scene, {.method = method, .silhouette_reuse = reuse}).value();
+    };
+    EXPECT_EQ(CountsOf(computed(8)), CountsOf(computed(1)));
+    EXPECT_EQ(computed(8).header.parameters, computed(1).header.parameters);
+  }
 }
 
-TEST(BorrowedOutlines, AreTheSameForAnyThreadsPassesAndEdits) {
-  const auto scene = TorusScene();
-  const Artifact one = Borrowed(*scene, 8, 1);
-  EXPECT_EQ(CountsOf(Borrowed(*scene, 8, 4)), CountsOf(one));
+TEST(BorrowedOutlines, OfAllLightsReportTheWorst) {
+  AreaLight low = Ceiling(3.5f);
+  low.id = "low";
+  const auto scene = TorusScene()->Apply({.upsert_lights = {low}}).value();
   tbb::task_arena arena(2);
-  const ArtifactSpec spec{
-      SoftTextureParams{
-          .samples = 64, .method = VisibilityMethod::kSilhouette, .silhouette_reuse = 8},
-      "light", "floor"};
+  const auto error = [&](const std::string& light) {
+    const ArtifactSpec spec{SoftTextureParams{.samples = 64, .silhouette_reuse = 8}, light,
+                            "floor"};
+    return ReportedError(TechniqueFor(spec.params).Compute(*scene, spec, {.arena = arena}).value());
+  };
+  EXPECT_GT(error("low"), 0);
+  EXPECT_EQ(error("*"), std::max(error("low"), error("light")));
+}
+
+// What is wrong where the receiver is not does not count.
+TEST(BorrowedOutlines, AreLookedAtOnTheReceiverAlone) {
+  CoverageMask mask(40, 2);
+  SampleShadows a(40, 2, 1);
+  const SampleShadows b(40, 2, 1);
+  ShadowBitmap bitmap(40, 2);
+  bitmap.Column(0)[0] = 0b110;
+  bitmap.Column(1)[1] = 0b1;
+  bitmap.Touch(0, 2, 0, 2);
+  a.Store(0, 0, bitmap);
+  EXPECT_EQ(LargestDifference(a, b, 1, 40, 2, nullptr), 3.0 / 80);
+  EXPECT_EQ(LargestDifference(a, b, 1, 40, 2, &mask), 0);
+  mask.Set(1);
+  mask.Set(7);
+  EXPECT_EQ(LargestDifference(a, b, 1, 40, 2, &mask), 1.0 / 2);
+  mask.Set(40 + 32);
+  EXPECT_EQ(LargestDifference(a, b, 1, 40, 2, &mask), 2.0 / 3);
+}
+
+class BorrowedOutlinesOf : public ::testing::TestWithParam<std::tuple<VisibilityMethod, float>> {};
+
+// By auto too, and where the lamp is on both sides of the floor.
+INSTANTIATE_TEST_SUITE_P(All, BorrowedOutlinesOf,
+                         ::testing::Combine(::testing::Values(VisibilityMethod::kSilhouette,
+                                                              VisibilityMethod::kAuto),
+                                            ::testing::Values(4.0f, 0.0f)));
+
+TEST_P(BorrowedOutlinesOf, AreTheSameForAnyThreadsPassesAndEdits) {
+  const auto [method, height] = GetParam();
+  AreaLight lamp = Ceiling(height);
+  std::get<RectangleLight>(lamp.shape).corner.y -= 0.25f;
+  std::get<RectangleLight>(lamp.shape).edge_u.y = 0.5f;
+  const auto scene = TorusScene()->Apply({.upsert_lights = {lamp}}).value();
+  const SoftTextureParams params{.samples = 64, .method = method, .silhouette_reuse = 8};
+  const auto anew = [&](const Scene& s, int threads) {
+    return Compute(s, params, threads).value();
+  };
+  const Artifact one = anew(*scene, 1);
+  EXPECT_EQ(CountsOf(anew(*scene, 4)), CountsOf(one));
+  tbb::task_arena arena(2);
+  const ArtifactSpec spec{params, "light", "floor"};
   MemoryBudget budget(size_t{64} << 20);
   TechniqueMemory memory{budget};
   int passes = 0;
@@ -106,7 +153,7 @@ TEST(BorrowedOutlines, AreTheSameForAnyThreadsPassesAndEdits) {
     moved.world_from_mesh[3] += Vec3(0.1f, 0, 0.05f);
     edited = edited->Apply({.upsert_instances = {moved}}).value();
     EXPECT_EQ(CountsOf(technique.Compute(*edited, spec, context).value()),
-              CountsOf(Borrowed(*edited, 8)))
+              CountsOf(anew(*edited, 2)))
         << id;
   }
 }

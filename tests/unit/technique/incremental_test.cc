@@ -1,6 +1,7 @@
 // What is updated after an edit is what would have been computed from nothing.
 #include <gtest/gtest.h>
 
+#include "render/technique/soft_texture/bit_counters.h"
 #include "tests/support/random_scene.h"
 #include "tests/unit/technique/soft_texture_scenes.h"
 
@@ -99,6 +100,17 @@ TEST_F(IncrementalTest, ADragIsDrawnOverWhatStays) {
     ExpectTheSame("step " + std::to_string(step), /*in_passes=*/true);
     // The first step has to draw what stays; the others need no coarse pass.
     EXPECT_EQ(passes_.empty(), step > 0) << step;
+  }
+}
+
+// More rows than are drawn at a time, and fewer in the end.
+TEST_F(IncrementalTest, ALargeTextureIsDrawnInBands) {
+  Have({.upsert_receivers = {Floor(700, 500)}});
+  ASSERT_LT(BandRows(700, 500), 500u);
+  ExpectTheSame("at first");
+  for (int step = 0; step < 4; ++step) {
+    Have(Moved(3 + step % 2, Vec3(0.1f, 0, 0)));
+    ExpectTheSame("step " + std::to_string(step), /*in_passes=*/true);
   }
 }
 
