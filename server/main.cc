@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "google/protobuf/stubs/logging.h"
-#include "render/engine/keep_freed_memory.h"
 #include "server/address_file.h"
+#include "server/keep_freed_memory.h"
 #include "server/penumbra_server.h"
 #include "server/server_identity.h"
 

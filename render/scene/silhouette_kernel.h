@@ -37,8 +37,8 @@ void SelectForEach(std::span<const EdgeCluster> edges, std::span<const ClusterLe
                    const ViewGroup& group, std::span<SilhouetteList> lists);
 
 // Puts those of `count` edges one after another of which, seen from anywhere within `radius` of
-// `viewpoint`, not both faces always face the same way. Returns how many they are; `copies` is empty
-// before.
+// `viewpoint`, not both faces always face the same way. Returns how many they are; `copies` is
+// empty before.
 size_t CopySometimes(std::span<const EdgeCluster> edges, size_t count,
                      std::span<const ClusterLevel> levels, const float (&viewpoint)[4],
                      float radius, std::vector<EdgeCluster>& copies);

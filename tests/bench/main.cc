@@ -12,7 +12,7 @@
 
 #include "CLI/CLI.hpp"
 #include "nlohmann/json.hpp"
-#include "render/engine/keep_freed_memory.h"
+#include "server/keep_freed_memory.h"
 #include "tests/bench/bench.h"
 
 namespace penumbra::bench {

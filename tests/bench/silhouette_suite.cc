@@ -93,6 +93,25 @@ struct Finder {
   }
 };
 
+// Outlines that eight neighbours share, with what telling their error takes, for many samples.
+std::vector<Row> RunReuse(const std::string& prefix, const Scene& scene,
+                          const BenchOptions& options) {
+  tbb::task_arena arena(1);
+  std::string error;
+  const auto compute = [&](uint32_t reuse) {
+    const ArtifactSpec spec{SoftTextureParams{.samples = kManySamples,
+                                              .method = VisibilityMethod::kSilhouette,
+                                              .silhouette_reuse = reuse},
+                            "lamp", "floor"};
+    const auto artifact = TechniqueFor(spec.params).Compute(scene, spec, {.arena = arena});
+    if (reuse > 1) error = artifact->header.parameters.at("silhouette_reuse_error");
+  };
+  const Duel reuse = Interleave(
+      0.2 * options.min_seconds, [&] { compute(kGroup); }, [&] { compute(1); });
+  return {{prefix + "reuse_speedup_vs_exact", reuse.Speedup(), "x"},
+          {prefix + "reuse_error", std::stod(error), "1"}};
+}
+
 std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> mesh,
                          const BenchOptions& options) {
   const double start = NowMs();
@@ -113,33 +132,23 @@ std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> me
   const Duel share = Interleave(0.4 * options.min_seconds, by_groups, [&] {
     (void)TechniqueFor(spec.params).Compute(*scene, spec, {.arena = arena});
   });
-  // Outlines that eight neighbours share, with what telling their error takes, for many samples.
-  std::string error;
-  const auto compute_many = [&](uint32_t reuse) {
-    ArtifactSpec many = spec;
-    std::get<SoftTextureParams>(many.params).samples = kManySamples;
-    std::get<SoftTextureParams>(many.params).silhouette_reuse = reuse;
-    const auto artifact = TechniqueFor(many.params).Compute(*scene, many, {.arena = arena});
-    if (reuse > 1) error = artifact->header.parameters.at("silhouette_reuse_error");
-  };
-  const Duel reuse = Interleave(
-      0.2 * options.min_seconds, [&] { compute_many(kGroup); }, [&] { compute_many(1); });
   const double compute = share.PeersMs(), finding = share.OursMs(), flat = duel.PeersMs();
   const double all = static_cast<double>(edges.shared_edge_count() + edges.border_edge_count());
   const double faces = static_cast<double>(mesh->triangle_count());
   const std::string prefix = "soft_texture." + name + ".";
-  return {{prefix + "faces", faces, "1"},
-          {prefix + "eliminated_fraction", 1 - found / kSamples / all, "1"},
-          {prefix + "flat_per_sample", flat / kSamples, "ms"},
-          {prefix + "hierarchical_per_sample", duel.OursMs() / kSamples, "ms"},
-          {prefix + "speedup_vs_flat", duel.Speedup(), "x"},
-          {prefix + "single_view_speedup_vs_flat", single.Speedup(), "x"},
-          {prefix + "find_share_flat", flat / (compute - finding + flat), "1"},
-          {prefix + "find_share_hierarchical", finding / compute, "1"},
-          {prefix + "reuse_speedup_vs_exact", reuse.Speedup(), "x"},
-          {prefix + "reuse_error", std::stod(error), "1"},
-          {prefix + "prepare_vs_compute", prepared_ms / compute, "x"},
-          {prefix + "bytes_per_face", static_cast<double>(edges.bytes()) / faces, "B"}};
+  std::vector<Row> rows = RunReuse(prefix, *scene, options);
+  rows.insert(rows.end(),
+              {{prefix + "faces", faces, "1"},
+               {prefix + "eliminated_fraction", 1 - found / kSamples / all, "1"},
+               {prefix + "flat_per_sample", flat / kSamples, "ms"},
+               {prefix + "hierarchical_per_sample", duel.OursMs() / kSamples, "ms"},
+               {prefix + "speedup_vs_flat", duel.Speedup(), "x"},
+               {prefix + "single_view_speedup_vs_flat", single.Speedup(), "x"},
+               {prefix + "find_share_flat", flat / (compute - finding + flat), "1"},
+               {prefix + "find_share_hierarchical", finding / compute, "1"},
+               {prefix + "prepare_vs_compute", prepared_ms / compute, "x"},
+               {prefix + "bytes_per_face", static_cast<double>(edges.bytes()) / faces, "B"}});
+  return rows;
 }
 
 }  // namespace

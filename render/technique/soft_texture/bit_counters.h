@@ -36,7 +36,8 @@ class BitmapCounter {
   uint32_t rows_begin() const { return rows_begin_; }
   uint32_t rows_end() const { return rows_end_; }
 
-  // Adds what `other`, of the same shape, has counted in rows [begin, end). Several threads may each
+  // Adds what `other`, of the same shape, has counted in rows [begin, end). Several threads may
+  // each
   // merge a part of the rows, if all but the last are multiples of kRowStep rows, between a call of
   // Touch for all of them and one of Clear.
   void Merge(const BitmapCounter& other, uint32_t begin, uint32_t end);
@@ -46,8 +47,8 @@ class BitmapCounter {
   }
   static constexpr uint32_t kRowStep = ShadowBitmap::kRowPadding;
 
-  // Takes the counts of rows [begin, end) off `counts`, `width` numbers a row, of which the first is
-  // row 0's.
+  // Takes the counts of rows [begin, end) off `counts`, `width` numbers a row, the first of which
+  // is row 0's.
   void SubtractFrom(uint16_t* counts, uint32_t width, uint32_t begin, uint32_t end) const;
 
   // Begins anew, whatever has been drawn and counted.

@@ -9,6 +9,9 @@
 namespace penumbra {
 namespace {
 
+// Light samples that are drawn both ways.
+constexpr size_t kSamplesChecked = 4;
+
 double Distance(const LightSample& a, const LightSample& b) {
   return glm::length(DVec3(a.point) - DVec3(b.point));
 }
@@ -39,6 +42,27 @@ std::vector<uint32_t> FurthestFromLenders(std::span<const LightSample> samples,
                            [&](uint32_t s) { return Distance(samples[s], lenders[s]); });
   numbers.resize(std::min(most, numbers.size()));
   return numbers;
+}
+
+absl::StatusOr<double> BorrowingError(OcclusionCounter& exact, OcclusionCounter& borrowing,
+                                      std::span<const LightSample> samples,
+                                      std::span<const LightSample> lenders,
+                                      const CoverageMask* inside, const ReceiverPatch& receiver,
+                                      tbb::task_arena& arena, const std::stop_token& stop) {
+  std::vector<LightSample> checked, theirs;
+  for (const uint32_t s : FurthestFromLenders(samples, lenders, kSamplesChecked)) {
+    checked.push_back(samples[s]);
+    theirs.push_back(lenders[s]);
+  }
+  const auto count = static_cast<uint32_t>(checked.size());
+  SampleShadows right(receiver.width, receiver.height, count), wrong = right;
+  exact.StoreIn(right, 0);
+  borrowing.StoreIn(wrong, 0);
+  borrowing.BorrowOutlines(theirs);
+  for (OcclusionCounter* const counter : {&exact, &borrowing}) {
+    if (const auto status = counter->Add(checked, arena, stop); !status.ok()) return status;
+  }
+  return LargestDifference(right, wrong, count, receiver.width, receiver.height, inside);
 }
 
 double LargestDifference(const SampleShadows& a, const SampleShadows& b, uint32_t count,

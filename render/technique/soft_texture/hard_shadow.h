@@ -28,14 +28,14 @@ class HardShadow {
   HardShadow(const ReceiverPatch& receiver, const ShadowRules& rules)
       : receiver_(receiver), rules_(rules) {}
 
-  // What follows is drawn with the outlines that `lenders` see, one after another, neighbours on the
-  // light: finds them among the edges in `seen`, of all together where that is quicker.
+  // What follows is drawn with the outlines that `lenders` see, one after another, neighbours on
+  // the light: finds them among the edges in `seen`, of all together where that is quicker.
   void FindOutlines(std::span<const LightSample> lenders, const OccluderSet& occluders,
                     std::span<const SeenOutline> seen);
 
   // Sets the bit of every texel of `window` whose line to the sample is blocked by one of
-  // `occluders`. If any of them has an outline, that is the one of number `neighbour` of the lenders
-  // last given to FindOutlines, with the same occluders and `seen`.
+  // `occluders`. If any of them has an outline, that is the one of number `neighbour` of the
+  // lenders last given to FindOutlines, with the same occluders and `seen`.
   void Draw(const OccluderSet& occluders, std::span<const SeenOutline> seen,
             const LightSample& sample, size_t neighbour, const ReceiverTransform& map,
             const TexelWindow& window, ShadowBitmap& bitmap);

@@ -15,8 +15,8 @@
 namespace penumbra {
 namespace {
 
-// Samples whose outlines are found together: with twice as many more edges are looked at for nothing,
-// with half as many each edge is asked about more often.
+// Samples whose outlines are found together: with twice as many more edges are looked at for
+// nothing, with half as many each edge is asked about more often.
 constexpr size_t kNeighbours = 8;
 
 // Texels whose counts one task adds: fewer take less time than handing them over.
@@ -156,6 +156,27 @@ std::vector<size_t> OcclusionCounter::GroupNeighbours(std::vector<Job>& jobs, si
   return begins;
 }
 
+void OcclusionCounter::AddGroup(std::span<const Job> group, const Outlines& outlines,
+                                const TexelWindow& window, HardShadow& shadow,
+                                BitmapCounter& counter, const std::stop_token& stop) {
+  const std::vector<SeenOutline>& seen = outlines[group.front().side];
+  if (!seen.empty()) {
+    std::vector<LightSample> lenders;
+    for (const Job& job : group) lenders.push_back(job.lender);
+    shadow.FindOutlines(lenders, *group.front().occluders, seen);
+  }
+  for (size_t neighbour = 0; neighbour < group.size(); ++neighbour) {
+    const Job& job = group[neighbour];
+    if (stop.stop_requested()) return;
+    ShadowBitmap& bitmap = counter.next();
+    shadow.Draw(*job.occluders, seen, job.sample, neighbour, job.map, window, bitmap);
+    if (stored_in_) stored_in_->Store(job.number, window.row_begin, bitmap);
+    if (band_) band_->Store(job.number - band_first_, 0, bitmap);
+    if (beyond_) beyond_->Subtract(job.number, window.row_begin, bitmap);
+    counter.CountNext();
+  }
+}
+
 void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<size_t>& groups,
                                const Outlines& outlines, const TexelWindow& window,
                                int worker_count, const std::stop_token& stop) {
@@ -165,30 +186,11 @@ void OcclusionCounter::AddBand(const std::vector<Job>& jobs, const std::vector<s
   absl::Cleanup drop = [this] { counters_->Drop(); };
   std::vector<std::optional<HardShadow>> shadows(worker_count);  // made by who gets a group
   std::atomic<size_t> next{0};
-  const auto add_group = [&](HardShadow& shadow, BitmapCounter& counter,
-                             std::span<const Job> group) {
-    const std::vector<SeenOutline>& seen = outlines[group.front().side];
-    if (!seen.empty()) {
-      std::vector<LightSample> samples;
-      for (const Job& job : group) samples.push_back(job.lender);
-      shadow.FindOutlines(samples, *group.front().occluders, seen);
-    }
-    for (size_t neighbour = 0; neighbour < group.size(); ++neighbour) {
-      const Job& job = group[neighbour];
-      if (stop.stop_requested()) return;
-      ShadowBitmap& bitmap = counter.next();
-      shadow.Draw(*job.occluders, seen, job.sample, neighbour, job.map, window, bitmap);
-      if (stored_in_) stored_in_->Store(job.number, window.row_begin, bitmap);
-      if (band_) band_->Store(job.number - band_first_, 0, bitmap);
-      if (beyond_) beyond_->Subtract(job.number, window.row_begin, bitmap);
-      counter.CountNext();
-    }
-  };
   ParallelFor(worker_count, [&](int w) {
     for (size_t g = next++; g + 1 < groups.size() && !stop.stop_requested(); g = next++) {
       if (!shadows[w]) shadows[w].emplace(receiver_, rules_);
-      add_group(*shadows[w], counters_->Of(w),
-                std::span(jobs).subspan(groups[g], groups[g + 1] - groups[g]));
+      AddGroup(std::span(jobs).subspan(groups[g], groups[g + 1] - groups[g]), outlines, window,
+               *shadows[w], counters_->Of(w), stop);
     }
   });
   std::vector<BitmapCounter*> used;

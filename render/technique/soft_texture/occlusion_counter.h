@@ -56,8 +56,8 @@ class OcclusionCounter {
   void BorrowOutlines(std::span<const LightSample> lenders) { lenders_ = lenders; }
   // From now on threads count with what is in `counters`, and leave theirs there for others.
   void CountWith(BitmapCounters& counters) { counters_ = &counters; }
-  // Every sample that a texel does not see takes one off its count, from now on off `counts`, H·W, row
-  // by row; before off 0, modulo 2¹⁶.
+  // Every sample that a texel does not see takes one off its count, from now on off `counts`, H·W,
+  // row by row; before off 0, modulo 2¹⁶.
   void CountDown(std::vector<uint16_t> counts) { counts_ = std::move(counts); }
 
   // Adds what hides `samples`. The result depends on neither the arena's size nor how samples are
@@ -95,7 +95,11 @@ class OcclusionCounter {
   // and the end.
   static std::vector<size_t> GroupNeighbours(std::vector<Job>& jobs, size_t group_size);
   Outlines OutlinesFor(const std::vector<Job>& jobs, tbb::task_arena& arena) const;
-  // Takes what all jobs hide off the counts of the window's rows; leaves them as they are once stopped.
+  // Draws and counts the jobs of one group; another thread has other counters.
+  void AddGroup(std::span<const Job> group, const Outlines& outlines, const TexelWindow& window,
+                HardShadow& shadow, BitmapCounter& counter, const std::stop_token& stop);
+  // Takes what all jobs hide off the counts of the window's rows; leaves them as they are once
+  // stopped.
   void AddBand(const std::vector<Job>& jobs, const std::vector<size_t>& groups,
                const Outlines& outlines, const TexelWindow& window, int worker_count,
                const std::stop_token& stop);

@@ -12,8 +12,8 @@
 namespace penumbra {
 namespace {
 
-// A mesh keeps 64 bytes a triangle to find its outline with, and takes three microseconds a triangle to
-// make them; nobody can stop that, and no budget counts it.
+// A mesh keeps 64 bytes a triangle to find its outline with, and takes three microseconds a
+// triangle to make them; nobody can stop that, and no budget counts it.
 constexpr size_t kMostTrianglesForAnOutline = 1u << 20;
 
 // Fewer edges are looked at for every sample sooner than once for all.

@@ -7,6 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "render/scene/field_error.h"
 #include "render/scene/scene_limits.h"
+#include "render/technique/soft_texture/all_lights.h"
 
 namespace penumbra {
 namespace {
@@ -54,6 +55,24 @@ absl::Status CheckCountBits(const SoftTextureParams& params, size_t samples) {
   if (params.count_bits != CountBits::k8 || samples <= 255) return absl::OkStatus();
   return RangeError("soft_texture.count_bits", absl::StrCat("8 for ", samples, " light samples"),
                     "16 or auto, or at most 255 samples");
+}
+
+absl::Status CheckSpec(const Scene& scene, const ArtifactSpec& spec) {
+  const auto& params = std::get<SoftTextureParams>(spec.params);
+  if (const auto status = CheckParams(params); !status.ok()) return status;
+  if (const auto status = CheckTimeBudget(spec); !status.ok()) return status;
+  if (spec.light_id == kAllLights) {
+    const auto status = CheckAllLights(scene, params);
+    return status.ok() ? scene.ResolveReceiver(spec.receiver_id).status() : status;
+  }
+  const auto light = scene.FindLight(spec.light_id);
+  if (!light) {
+    return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "light_id",
+                      absl::StrCat("found ", spec.light_id, ", need a light of the scene"));
+  }
+  const uint32_t samples = EffectiveSampleCount(*light, params.samples);
+  if (const auto status = CheckCountBits(params, samples); !status.ok()) return status;
+  return scene.ResolveReceiver(spec.receiver_id).status();
 }
 
 std::map<std::string, std::string> EffectiveParameters(const SoftTextureParams& params,

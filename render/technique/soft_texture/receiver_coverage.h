@@ -34,4 +34,10 @@ class ReceiverCoverage {
   std::vector<GutterTexel> gutter_;
 };
 
+// What the mask says already, and would be held for as long as the artifact.
+inline ReceiverPatch WithoutRegion(ReceiverPatch receiver) {
+  receiver.region = nullptr;
+  return receiver;
+}
+
 }  // namespace penumbra

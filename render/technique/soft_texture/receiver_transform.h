@@ -49,4 +49,7 @@ class ReceiverTransform {
   double sample_height_ = 0;
 };
 
+// How far, in metres, something must be from the receiver's plane not to be taken for a part of it.
+double SurfaceOffset(const ReceiverPatch& receiver);
+
 }  // namespace penumbra

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -19,6 +18,7 @@
 #include "render/technique/soft_texture/passes.h"
 #include "render/technique/soft_texture/receiver_coverage.h"
 #include "render/technique/soft_texture/texture_shading.h"
+#include "render/technique/stopwatch.h"
 
 namespace penumbra {
 namespace {
@@ -26,49 +26,13 @@ namespace {
 // What of a time budget computing may take: the rest is for the way to the client.
 constexpr double kComputingShare = 0.5;
 
-// Coordinates carry 24 bits. What lies in the receiver's plane is off it by a few units in the last
-// place of the largest coordinate; 32 of them are still a twentieth of a millimetre for a building
-// of 30 m. A surface that is not quite flat leaves the plane by more, to either side.
-double SurfaceOffset(const ReceiverPatch& receiver) {
-  const Parallelogram& patch = receiver.patch;
-  double largest = 0;
-  for (const Vec2 uv : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)}) {
-    const DVec3 corner = glm::abs(DVec3(patch.At(uv)));
-    largest = std::max({largest, corner.x, corner.y, corner.z});
-  }
-  const double size = glm::length(DVec3(patch.edge_u)) + glm::length(DVec3(patch.edge_v));
-  return std::max(std::ldexp(std::max(largest, size), -19), 2 * receiver.deviation_m);
-}
-
 // An edit whose samples, times the triangles and words of texels of each, are no more than this is
 // done sooner than a coarse pass of it is sent.
 constexpr uint64_t kWorkWorthAPass = 1u << 18;
 
-// Light samples that are drawn both ways to tell what borrowed outlines do.
-constexpr size_t kSamplesChecked = 4;
-
-// What the mask says already, and would be held for as long as the artifact.
-ReceiverPatch WithoutRegion(ReceiverPatch receiver) {
-  receiver.region = nullptr;
-  return receiver;
-}
-
 const SoftTextureParams& ParamsOf(const ArtifactSpec& spec) {
   return std::get<SoftTextureParams>(spec.params);
 }
-
-// Measures wall time from its construction; 0 without a clock.
-class Stopwatch {
- public:
-  explicit Stopwatch(const MonotonicClock& now_ms) : now_ms_(now_ms), start_(Now()) {}
-  double ElapsedMs() const { return Now() - start_; }
-
- private:
-  double Now() const { return now_ms_ ? now_ms_() : 0; }
-
-  const MonotonicClock& now_ms_;
-  double start_;
-};
 
 // One computation: accumulates passes and makes an artifact of each.
 class Computation {
@@ -205,8 +169,8 @@ class Computation {
 
   bool IsBaseDrawn() const { return plan_.base && plan_.base->drawn == samples_.size(); }
 
-  // What moves is taken off all samples, or off what the base leaves of them if that is known before
-  // the only pass.
+  // What moves is taken off all samples, or off what the base leaves of them if that is known
+  // before the only pass.
   void StartCounts() {
     const auto n = static_cast<uint32_t>(samples_.size());
     counts_have_base_ = IsBaseDrawn() && FirstPassSamples(n) >= n;
@@ -254,27 +218,11 @@ class Computation {
     return moving.ok() ? std::min(1.0, *still + *moving) : moving;
   }
 
-  // The largest part of the texels that a light sample sees wrongly, of those samples that are
-  // furthest from where their outlines were found, each drawn both ways.
   absl::StatusOr<double> ErrorOfBorrowing(const CasterChoice& casters) {
-    const std::vector<uint32_t> checked = FurthestFromLenders(samples_, lenders_, kSamplesChecked);
-    const auto count = static_cast<uint32_t>(checked.size());
-    std::vector<LightSample> samples, lenders;
-    for (const uint32_t s : checked) {
-      samples.push_back(samples_[s]);
-      lenders.push_back(lenders_[s]);
-    }
-    const SampleShadows none(receiver_.width, receiver_.height, count);
-    std::array<SampleShadows, 2> shadows = {none, none};
-    for (const bool borrows : {false, true}) {
-      OcclusionCounter counter(scene_, *light_, receiver_, surface_offset_, Rules(), casters);
-      counter.StoreIn(shadows[borrows], 0);
-      if (borrows) counter.BorrowOutlines(lenders);
-      const auto status = counter.Add(samples, context_.arena, context_.stop);
-      if (!status.ok()) return status;
-    }
-    return LargestDifference(shadows[0], shadows[1], count, receiver_.width, receiver_.height,
-                             coverage_.mask().get());
+    OcclusionCounter exact(scene_, *light_, receiver_, surface_offset_, Rules(), casters);
+    OcclusionCounter borrowing(scene_, *light_, receiver_, surface_offset_, Rules(), casters);
+    return BorrowingError(exact, borrowing, samples_, lenders_, coverage_.mask().get(), receiver_,
+                          context_.arena, context_.stop);
   }
 
   Artifact MakeArtifact(uint32_t done) {
@@ -327,20 +275,7 @@ class Computation {
 }  // namespace
 
 absl::Status SoftTexture::Check(const Scene& scene, const ArtifactSpec& spec) const {
-  if (const auto status = CheckParams(ParamsOf(spec)); !status.ok()) return status;
-  if (const auto status = CheckTimeBudget(spec); !status.ok()) return status;
-  if (spec.light_id == kAllLights) {
-    const auto status = CheckAllLights(scene, ParamsOf(spec));
-    return status.ok() ? scene.ResolveReceiver(spec.receiver_id).status() : status;
-  }
-  const auto light = scene.FindLight(spec.light_id);
-  if (!light) {
-    return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "light_id",
-                      absl::StrCat("found ", spec.light_id, ", need a light of the scene"));
-  }
-  const uint32_t samples = EffectiveSampleCount(*light, ParamsOf(spec).samples);
-  if (const auto status = CheckCountBits(ParamsOf(spec), samples); !status.ok()) return status;
-  return scene.ResolveReceiver(spec.receiver_id).status();
+  return CheckSpec(scene, spec);
 }
 
 bool SoftTexture::NeedsGl(const ArtifactSpec& spec) const {

@@ -71,8 +71,8 @@ struct SoftTextureParams {
   bool radiance = false;  // put the radiance texture into the artifact, next to the counts
 
   VisibilityMethod method = VisibilityMethod::kAuto;  // makes no difference of itself but of time
-  // Of auto and silhouette: neighbouring light samples that use one's outlines of meshes; 1: each has
-  // its own, exactly.
+  // Of auto and silhouette: neighbouring light samples that use one's outlines of meshes; 1: each
+  // has its own, exactly.
   uint32_t silhouette_reuse = 1;
 
   // Of radiance.

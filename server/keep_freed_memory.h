@@ -5,9 +5,10 @@
 
 namespace penumbra {
 
-// From now on the allocator keeps what is freed for whoever allocates next: by default it gives every
-// texture's memory back to the kernel, and the next texture takes one page fault for every
-// 4 KB: a quarter of the time of a small edit. For the main of a program that serves for long, before
+// From now on the allocator keeps what is freed for whoever allocates next: by default it gives
+// every texture's memory back to the kernel, and the next texture takes one page fault for every
+// 4 KB: a quarter of the time of a small edit. For the main of a program that serves for long,
+// before
 // it allocates much. Up to 8 MB at the end of each thread's heap stay with the process at rest, and
 // what is free between blocks in use; blocks of 4 MB and more still go back at once.
 inline void KeepFreedMemory() {
