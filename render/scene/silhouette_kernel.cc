@@ -174,7 +174,7 @@ size_t CopySometimes(std::span<const EdgeCluster> edges, size_t count,
                      float radius, std::vector<EdgeCluster>& copies) {
   const F f;
   const View view(viewpoint);
-  copies.reserve(edges.size());  // addresses; memory is taken for what is written
+  copies.reserve(edges.size() / 4);  // most often enough: outlines are small
   PendingEdges pending;
   ForEachCluster(edges, levels, viewpoint, radius, [&](size_t c) HWY_ATTR {
     for (size_t k = 0; k < kClusterEdges; k += hn::Lanes(f)) {
