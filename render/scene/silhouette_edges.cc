@@ -7,9 +7,6 @@
 namespace penumbra {
 namespace {
 
-// Fewer edges are looked at in less time than it takes to find which need not be.
-constexpr size_t kEdgesWorthClusters = 1u << 16;
-
 struct Viewpoint {
   float xyzw[4];
 };
@@ -43,11 +40,7 @@ void SilhouetteList::Reserve(size_t more) {
 void SilhouetteEdges::Find(DVec4 viewpoint, SilhouetteList& list) const {
   const Viewpoint moved = Moved(viewpoint, center_);
   AppendBorderEdges(border_, border_count_, moved.xyzw, list);
-  if (shared_count_ < kEdgesWorthClusters || levels_.empty()) {
-    SelectSharedEdges(shared_, moved.xyzw, list);
-  } else {
-    SelectByClusters(shared_, levels_, moved.xyzw, list);
-  }
+  SelectSharedEdges(shared_, moved.xyzw, list);
 }
 
 void SilhouetteEdges::FindEach(std::span<const DVec4> viewpoints,
@@ -64,12 +57,6 @@ void SilhouetteEdges::FindEach(std::span<const DVec4> viewpoints,
     }
     SelectForEach(shared_, levels_, group, lists.subspan(first, some.size()));
   }
-}
-
-void SilhouetteEdges::FindOneByOne(DVec4 viewpoint, SilhouetteList& list) const {
-  const Viewpoint moved = Moved(viewpoint, center_);
-  AppendBorderEdges(border_, border_count_, moved.xyzw, list);
-  SelectSharedEdges(shared_, moved.xyzw, list);
 }
 
 double SilhouetteEdges::Slack(DVec4 viewpoint) const {

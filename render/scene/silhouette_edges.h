@@ -83,13 +83,13 @@ class SilhouetteEdges {
   // direction towards it. Which of two equal faces seen edge-on counts as turned towards it is
   // decided in single precision, and once for each face, so the edges always close up.
   //
-  // Cost  about O(√T) for smooth meshes seen from afar
+  // Cost  O(T): every edge is looked at
   void Find(DVec4 viewpoint, SilhouetteList& list) const;
-  // The same for each of several viewpoints, list by list: quicker for neighbours, of which one
-  // look at an edge tells that none or which of them see it on their outlines.
+  // The same for each of several viewpoints, list by list: quicker for neighbours, as clusters and
+  // edges that none of them has on its outline are left out together.
+  //
+  // Shapes  n viewpoints, positions or else directions, and n lists
   void FindEach(std::span<const DVec4> viewpoints, std::span<SilhouetteList> lists) const;
-  // The same edges, every edge looked at.
-  void FindOneByOne(DVec4 viewpoint, SilhouetteList& list) const;
 
   // Only the edges that can lie on the outline seen from somewhere in `ball`: Find gives the same
   // for viewpoints in it, and looks at fewer edges.

@@ -73,18 +73,6 @@ void SelectSharedEdges(std::span<const EdgeCluster> edges, const float (&viewpoi
   list.count = to.count();
 }
 
-void SelectByClusters(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,
-                      const float (&viewpoint)[4], SilhouetteList& list) {
-  const View view(viewpoint);
-  ForEachUndecided(edges, levels, viewpoint, 0, [&](size_t c) HWY_ATTR {
-    Appender to(list, kClusterEdges);
-    for (size_t k = 0; k < kClusterEdges; k += hn::Lanes(F())) {
-      SelectVector<true>(edges[c], k, view, to);
-    }
-    list.count = to.count();
-  });
-}
-
 void SelectForEach(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,
                    const ViewGroup& group, std::span<SilhouetteList> lists) {
   const size_t lanes = hn::Lanes(F());
@@ -222,7 +210,6 @@ HWY_AFTER_NAMESPACE();
 namespace penumbra {
 
 HWY_EXPORT(SelectSharedEdges);
-HWY_EXPORT(SelectByClusters);
 HWY_EXPORT(SelectForEach);
 HWY_EXPORT(CopySometimes);
 HWY_EXPORT(AppendBorderEdges);
@@ -230,11 +217,6 @@ HWY_EXPORT(AppendBorderEdges);
 void SelectSharedEdges(std::span<const EdgeCluster> edges, const float (&viewpoint)[4],
                        SilhouetteList& list) {
   HWY_DYNAMIC_DISPATCH(SelectSharedEdges)(edges, viewpoint, list);
-}
-
-void SelectByClusters(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,
-                      const float (&viewpoint)[4], SilhouetteList& list) {
-  HWY_DYNAMIC_DISPATCH(SelectByClusters)(edges, levels, viewpoint, list);
 }
 
 void SelectForEach(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,

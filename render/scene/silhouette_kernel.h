@@ -18,10 +18,6 @@ inline constexpr float kFacingSlack = 1e-5f;
 void SelectSharedEdges(std::span<const EdgeCluster> edges, const float (&viewpoint)[4],
                        SilhouetteList& list);
 
-// The same, but for clusters all of whose faces must face one way.
-void SelectByClusters(std::span<const EdgeCluster> edges, std::span<const ClusterLevel> levels,
-                      const float (&viewpoint)[4], SilhouetteList& list);
-
 // Viewpoints near each other: all within `radius` of `center`, and rounding with them.
 inline constexpr size_t kGroupViews = 8;
 struct ViewGroup {

@@ -72,13 +72,6 @@ struct Finder {
   void OneByOne() {
     found = 0;
     for (const DVec4 view : views) {
-      edges.FindOneByOne(view, lists[0]);
-      Count({lists.data(), 1});
-    }
-  }
-  void ByClusters() {
-    found = 0;
-    for (const DVec4 view : views) {
       edges.Find(view, lists[0]);
       Count({lists.data(), 1});
     }
@@ -126,8 +119,6 @@ std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> me
       "floor"};
   tbb::task_arena arena(1);
   const Duel duel = Interleave(0.4 * options.min_seconds, by_groups, one_by_one);
-  const Duel single = Interleave(
-      0.2 * options.min_seconds, [&] { finder.ByClusters(); }, one_by_one);
   const auto found = static_cast<double>(finder.found);
   const Duel share = Interleave(0.4 * options.min_seconds, by_groups, [&] {
     (void)TechniqueFor(spec.params).Compute(*scene, spec, {.arena = arena});
@@ -143,7 +134,6 @@ std::vector<Row> RunCase(const std::string& name, std::shared_ptr<const Mesh> me
                {prefix + "flat_per_sample", flat / kSamples, "ms"},
                {prefix + "hierarchical_per_sample", duel.OursMs() / kSamples, "ms"},
                {prefix + "speedup_vs_flat", duel.Speedup(), "x"},
-               {prefix + "single_view_speedup_vs_flat", single.Speedup(), "x"},
                {prefix + "find_share_flat", flat / (compute - finding + flat), "1"},
                {prefix + "find_share_hierarchical", finding / compute, "1"},
                {prefix + "prepare_vs_compute", prepared_ms / compute, "x"},

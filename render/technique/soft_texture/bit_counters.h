@@ -37,9 +37,8 @@ class BitmapCounter {
   uint32_t rows_end() const { return rows_end_; }
 
   // Adds what `other`, of the same shape, has counted in rows [begin, end). Several threads may
-  // each
-  // merge a part of the rows, if all but the last are multiples of kRowStep rows, between a call of
-  // Touch for all of them and one of Clear.
+  // each merge a part of the rows, if all but the last are multiples of kRowStep rows, between a
+  // call of Touch for all of them and one of Clear.
   void Merge(const BitmapCounter& other, uint32_t begin, uint32_t end);
   void Touch(uint32_t rows_begin, uint32_t rows_end) {
     rows_begin_ = std::min(rows_begin_, rows_begin);

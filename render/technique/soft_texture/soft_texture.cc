@@ -53,7 +53,7 @@ class Computation {
         shading_(*light_, receiver_, surface_offset_, static_cast<uint32_t>(samples_.size()),
                  ShadingParams()) {
     if (shading_.sum()) moving_.SumInto(*shading_.sum());
-    if (BorrowsOutlines()) {
+    if (BorrowsOutlines(params())) {
       lenders_ = OutlineLenders(samples_, params().silhouette_reuse);
       moving_.BorrowOutlines(lenders_);
     }
@@ -85,7 +85,7 @@ class Computation {
     for (uint32_t done = 0;; ++header_.pass) {
       const uint32_t upto = NextPassEnd(done, first, n);
       if (const auto status = Draw(done, upto); !status.ok()) return status;
-      if (upto == n && BorrowsOutlines()) {
+      if (upto == n && BorrowsOutlines(params())) {
         const auto error = ErrorOfBorrowing();
         if (!error.ok()) return error.status();
         header_.parameters["silhouette_reuse_error"] = absl::StrFormat("%.3g", *error);
@@ -120,7 +120,7 @@ class Computation {
   }
   // Where outlines are borrowed, which meshes have one must not depend on what else is drawn.
   ShadowRules Rules() const {
-    return {.method = BorrowsOutlines() ? VisibilityMethod::kSilhouette : params().method};
+    return {.method = BorrowsOutlines(params()) ? VisibilityMethod::kSilhouette : params().method};
   }
   CasterChoice CastersOf(bool moving) const {
     if (!plan_.base) return {};
@@ -202,8 +202,6 @@ class Computation {
     coverage_.FillOutside(visible);
     return visible;
   }
-
-  bool BorrowsOutlines() const { return penumbra::BorrowsOutlines(params()); }
 
   // At most the sum of what goes wrong with what moves and with what stays, which is told once.
   absl::StatusOr<double> ErrorOfBorrowing() {

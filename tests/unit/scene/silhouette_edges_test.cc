@@ -84,13 +84,14 @@ void ExpectOutlines(const MeshGeometry& mesh, int viewpoints) {
   Dice dice(17);
   for (int v = 0; v < viewpoints; ++v) {
     const DVec4 viewpoint = SomeViewpoint(dice);
-    SilhouetteList by_clusters, one_by_one, seen;
-    edges.Find(viewpoint, by_clusters);
-    edges.FindOneByOne(viewpoint, one_by_one);
+    SilhouetteList found, seen;
+    std::vector<SilhouetteList> by_clusters(1);
+    edges.Find(viewpoint, found);
+    edges.FindEach(std::span(&viewpoint, 1), by_clusters);
     const Crossings expected = OfFaces(mesh, viewpoint);
-    ASSERT_EQ(OfList(mesh, by_clusters), expected) << v;
-    ASSERT_EQ(OfList(mesh, one_by_one), expected) << v;
-    ASSERT_EQ(by_clusters.count, one_by_one.count) << v;
+    ASSERT_EQ(OfList(mesh, found), expected) << v;
+    ASSERT_EQ(OfList(mesh, by_clusters[0]), expected) << v;
+    ASSERT_EQ(by_clusters[0].count, found.count) << v;
     const double radius = dice.Between(0, 0.5f);
     const DVec4 moved = viewpoint + DVec4(radius * DVec3(dice.Direction()), 0);
     edges.SeenFrom({moved, radius * 1.0001}).Find(viewpoint, seen);
@@ -138,7 +139,7 @@ TEST(SilhouetteEdges, OfSmoothAndDentedBalls) {
   ExpectOutlines(Ball(50, 50, 0.1), 60);
 }
 
-// Enough edges for the hierarchy of clusters to be asked.
+// Several levels of clusters.
 TEST(SilhouetteEdges, OfALargeBall) { ExpectOutlines(Ball(200, 120, 0.02), 4); }
 
 TEST(SilhouetteEdges, OfBoxesSquaresAndNothing) {
@@ -161,13 +162,14 @@ TEST(SilhouetteEdges, FromAlongTheAxes) {
       viewpoint[axis / 2] = axis % 2 ? -1 : 1;
       for (const double w : {0.0, 1e-3}) {
         viewpoint.w = w;
-        SilhouetteList by_clusters, one_by_one, seen;
-        edges.Find(viewpoint, by_clusters);
-        edges.FindOneByOne(viewpoint, one_by_one);
+        SilhouetteList found, seen;
+        std::vector<SilhouetteList> by_clusters(1);
+        edges.Find(viewpoint, found);
+        edges.FindEach(std::span(&viewpoint, 1), by_clusters);
         edges.SeenFrom({viewpoint, 1e-3}).Find(viewpoint, seen);
-        ASSERT_EQ(OfList(mesh, by_clusters), OfList(mesh, one_by_one)) << axis;
-        ASSERT_EQ(by_clusters.count, one_by_one.count) << axis;
-        ASSERT_EQ(OfList(mesh, seen), OfList(mesh, one_by_one)) << axis;
+        ASSERT_EQ(OfList(mesh, by_clusters[0]), OfList(mesh, found)) << axis;
+        ASSERT_EQ(by_clusters[0].count, found.count) << axis;
+        ASSERT_EQ(OfList(mesh, seen), OfList(mesh, found)) << axis;
       }
     }
   }

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "render/scene/field_error.h"
+#include "tests/support/scarce_memory.h"
 #include "tests/support/shapes.h"
-#include "tests/unit/server/scarce_memory.h"
 
 namespace penumbra {
 namespace {

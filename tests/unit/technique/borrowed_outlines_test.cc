@@ -168,6 +168,17 @@ TEST(BorrowedOutlines, AreLentByTheMiddleOfAGroup) {
     places.insert({lenders[s].point.x, lenders[s].point.z});
     EXPECT_LT(glm::length(lenders[s].point - samples[s].point), 1.0f) << s;
   }
+  for (size_t s = 0; s < 64; ++s) {
+    Aabb group;
+    for (size_t t = 0; t < 64; ++t) {
+      if (lenders[t].point == lenders[s].point) group.Add(samples[t].point);
+    }
+    const auto off = [&](Vec3 point) { return glm::length(point - group.center()); };
+    for (size_t t = 0; t < 64; ++t) {
+      if (lenders[t].point != lenders[s].point) continue;
+      EXPECT_LE(off(lenders[s].point), off(samples[t].point) + 1e-6f) << s << " " << t;
+    }
+  }
   EXPECT_GE(places.size(), 8u);
   EXPECT_LE(places.size(), 16u);
   const auto furthest = FurthestFromLenders(samples, lenders, 4);

@@ -3,6 +3,8 @@
 
 #include "render/technique/soft_texture/bit_counters.h"
 #include "tests/support/random_scene.h"
+#include "tests/support/rippled_torus.h"
+#include "tests/support/scarce_memory.h"
 #include "tests/unit/technique/soft_texture_scenes.h"
 
 namespace penumbra::testing {
@@ -112,6 +114,35 @@ TEST_F(IncrementalTest, ALargeTextureIsDrawnInBands) {
     Have(Moved(3 + step % 2, Vec3(0.1f, 0, 0)));
     ExpectTheSame("step " + std::to_string(step), /*in_passes=*/true);
   }
+}
+
+// The box is drawn into a kept bitmap before there is no room for the flags of the torus's outline.
+TEST_F(IncrementalTest, AnAllocationThatFailsLeavesNothingWrongBehind) {
+  constexpr size_t kLessThanFlags = 75 * 50 * sizeof(int32_t);
+  Instance torus{.id = "torus",
+                 .mesh = MeshOf(RippledTorus(8, 8)),
+                 .world_from_mesh = Placed(Vec3(-1, 1.2f, 0), 0.5f)};
+  tbb::task_arena one(1);
+  const ComputeContext context{.arena = one, .memory = &memory_};
+  const auto compute = [&] { return TechniqueFor(spec_.params).Compute(*scene_, spec_, context); };
+  const auto move_both = [&] {
+    Have(Moved(3, Vec3(0, 0, 0.15f)));
+    torus.world_from_mesh[3] += Vec3(0.1f, 0, 0);
+    Have({.upsert_instances = {torus}});
+  };
+  for (int step = 0; step < 3; ++step) {
+    move_both();
+    ASSERT_TRUE(compute().ok());
+  }
+  move_both();
+  {
+    const ScarceMemory scarce(kLessThanFlags);
+    EXPECT_THROW((void)compute(), std::bad_alloc);
+  }
+  move_both();
+  const auto after = compute();
+  EXPECT_EQ(TextureOf(*after).visibility.counts,
+            TextureOf(ComputeOn(*scene_, nullptr)).visibility.counts);
 }
 
 TEST_F(IncrementalTest, ACancelledComputationLeavesNothingWrongBehind) {

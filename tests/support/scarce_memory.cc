@@ -1,4 +1,4 @@
-#include "tests/unit/server/scarce_memory.h"
+#include "tests/support/scarce_memory.h"
 
 #include <cstdlib>
 #include <limits>
