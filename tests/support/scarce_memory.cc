@@ -18,10 +18,14 @@ ScarceMemory::~ScarceMemory() { largest_allocation = kNoLimit; }
 }  // namespace penumbra::testing
 
 // Of the whole test program.
+void* operator new(size_t size, const std::nothrow_t&) noexcept {
+  return size > penumbra::testing::largest_allocation ? nullptr : std::malloc(size);
+}
 void* operator new(size_t size) {
-  void* memory = size > penumbra::testing::largest_allocation ? nullptr : std::malloc(size);
+  void* memory = operator new(size, std::nothrow);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
