@@ -24,10 +24,10 @@ constexpr char kExamples[] =
 
 }  // namespace
 
-void Grammar::Add(CLI::App* app, const char* name, const std::string& form, const char* help,
-                  Read read) {
+CLI::Option* Grammar::Add(CLI::App* app, const char* name, const std::string& form,
+                          const char* help, Read read) {
   const auto read_it = [this, read](const std::string& text) { error_.Update(read(text)); };
-  app->add_option_function<std::string>(name, read_it, help)->type_name(form);
+  return app->add_option_function<std::string>(name, read_it, help)->type_name(form);
 }
 
 void Grammar::AddRepeated(CLI::App* app, const char* name, const std::string& form,
@@ -53,13 +53,13 @@ void Grammar::AddScene(CLI::App* app, std::filesystem::path& scene) {
 void Grammar::AddTechnique(CLI::App* app, TechniqueParams& params) {
   AddTo(app, "--technique", "NAME", "How shadows are computed (default soft_texture)", params,
         ReadTechnique);
-  Add(app, "--samples", "N", "Samples on the light (default 64)",
+  Add(app, "--samples", "N", "Samples on each light that has a size (default 64)",
       [&params](const std::string& text) { return SetSamples(params, text); });
   Add(app, "--seed", "N", "Of the samples' jitter: the same seed gives the same bits (default 1)",
       [&params](const std::string& text) { return SetSeed(params, text); });
   Add(app, "--method", "NAME",
       "How hard shadows are drawn: auto, coverage, edge_flag, silhouette or gl; all give the same "
-      "counts (default auto)",
+      "counts, but gl within rounding of an edge (default auto)",
       [&params](const std::string& text) { return SetMethod(params, text); });
   for (const ShadingOption& o : ShadingOptions()) {
     Add(app, o.name, o.form, o.help, [&](const std::string& text) { return o.set(params, text); });
@@ -92,22 +92,41 @@ void Grammar::AddRequest(CLI::App* app, ShadowRequest& request, const char* size
       ->type_name("ID");
   app->add_flag("--floor", request.floor,
                 "A patch under the scene, three times as wide and as deep, to receive shadows");
-  app->add_flag("--every-polygon", request.every_polygon,
-                "Every planar surface of the scene receives shadows on a grid by its size");
-  AddSurfaces(app, request.min_area_m2, request.texels_per_metre);
+  CLI::Option* every =
+      app->add_flag("--every-polygon", request.every_polygon,
+                    "Every planar surface of the scene receives shadows on a grid by its size");
+  AddSurfaces(app, request.min_area_m2, request.texels_per_metre, every);
   AddTo(app, size_name, "WIDTHxHEIGHT", "Texels of each other receiver (default 256x256)",
         request.texels, ReadTexels);
   AddTo(app, "--reflectance", "\"r g b\"", "Of the receivers, 0 to 1 (default 1; in a view 0.8)",
         request.reflectance, ReadReflectance);
 }
 
-void Grammar::AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_metre) {
-  Add(app, "--min-area", "M2", "Leave out planar surfaces of less, in square metres",
-      [&min_area_m2](const std::string& text) { return SetArea(text, min_area_m2); });
-  Add(app, "--texels-per-metre", "D",
+void Grammar::AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_metre,
+                          CLI::Option* only_with) {
+  CLI::Option* area =
+      Add(app, "--min-area", "M2", "Leave out planar surfaces of less, in square metres",
+          [&min_area_m2](const std::string& text) { return SetArea(text, min_area_m2); });
+  CLI::Option* density = Add(
+      app, "--texels-per-metre", "D",
       "Of the grids of planar surfaces, to the next power of two, 16 to 256 a side (default: the "
       "largest surface's longer side gets 256)",
       [&texels_per_metre](const std::string& text) { return SetDensity(text, texels_per_metre); });
+  if (!only_with) return;
+  area->needs(only_with);
+  density->needs(only_with);
+}
+
+void Grammar::AddThreads(CLI::App* app, EngineChoice& engine) {
+  app->add_option("--threads", engine.threads,
+                  "Without a server: threads to compute on (default 0: one for each processor)")
+      ->type_name("N");
+}
+
+void Grammar::AddSceneId(CLI::App* app, std::string& scene_id, const char* help) {
+  Add(app, "--scene", "ID", help, [&scene_id](const std::string& text) {
+    return SetSceneId(text, scene_id);
+  })->required();
 }
 
 void Grammar::AddReceivers() {
@@ -124,7 +143,7 @@ void Grammar::AddBake() {
   AddRequest(app, bake_.request, "--size");
   AddTechnique(app, bake_.request.params);
   AddEngine(app, bake_.engine);
-  app->add_option("--threads", bake_.engine.threads, "Without a server: threads to compute on");
+  AddThreads(app, bake_.engine);
   app->add_option("--out", bake_.out, "Folder for NAME.exr, NAME.png and NAME.json")
       ->type_name("DIR")
       ->required();
@@ -141,7 +160,7 @@ void Grammar::AddView() {
   AddRequest(app, view_.request, "--texture-size");
   AddTechnique(app, view_.request.params);
   AddEngine(app, view_.engine);
-  app->add_option("--threads", view_.engine.threads, "Without a server: threads to compute on");
+  AddThreads(app, view_.engine);
   app->add_option("--receivers", view_.max_planar_receivers,
                   "How many flat instances receive shadows where none is named (default 4)")
       ->type_name("N");

@@ -80,6 +80,7 @@ struct WatchCommand {
   std::optional<Camera> camera;  // what is looked at; absent: nothing
   uint64_t max_updates = 0;      // 0: until interrupted
   double max_seconds = 0.0;      // 0: until interrupted
+  bool until_final = false;      // every shadow was final once
   bool json = false;
 };
 

@@ -36,11 +36,15 @@ class Grammar {
   void AddListings();
   void AddDemo();
   void AddReceivers();
-  void AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_metre);
+  void AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_metre,
+                   CLI::Option* only_with = nullptr);
+  void AddThreads(CLI::App* app, EngineChoice& engine);
+  void AddSceneId(CLI::App* app, std::string& scene_id, const char* help);
 
   // An option of one text, read by `read`; the second may be given several times.
   using Read = std::function<absl::Status(const std::string&)>;
-  void Add(CLI::App* app, const char* name, const std::string& form, const char* help, Read read);
+  CLI::Option* Add(CLI::App* app, const char* name, const std::string& form, const char* help,
+                   Read read);
   void AddRepeated(CLI::App* app, const char* name, const std::string& form, const char* help,
                    Read read);
   template <typename T>

@@ -10,30 +10,35 @@ void Grammar::AddPushAndWatch() {
   CLI::App* push = AddCommand(push_, "push", "Make a server's scene equal to a file");
   AddRequest(push, push_.request, "--size");
   AddEngine(push, push_.engine, true);
-  push->add_option("--scene", push_.scene_id, "The server's scene; made if there is none")
-      ->type_name("ID")
-      ->required();
+  AddSceneId(push, push_.scene_id, "The server's scene; made if there is none");
   push->add_flag("--json", push_.json, "Print what was sent as JSON");
 
   CLI::App* watch = AddCommand(watch_, "watch", "Print each update of a server's scene");
   AddEngine(watch, watch_.engine, true);
-  watch->add_option("--scene", watch_.scene_id, "The server's scene")->type_name("ID")->required();
+  AddSceneId(watch, watch_.scene_id, "The server's scene");
   AddTechnique(watch, watch_.params);
-  watch->add_option("--light", watch_.light_ids, "A light (default: all)")
+  watch
+      ->add_option("--light", watch_.light_ids,
+                   "A light (default: each of them). *: all of them in one texture")
       ->allow_extra_args(false)
       ->type_name("ID");
   watch->add_option("--receiver", watch_.receiver_ids, "A receiver (default: all)")
       ->allow_extra_args(false)
       ->type_name("ID");
   Add(watch, "--time-budget", "MS",
-      "How soon after a commit its first artifact should be there, with as many samples as fit "
-      "(default: whenever 8 samples are counted)",
+      "How soon after a commit its first artifact should be there, with as many samples as fit: "
+      "one "
+      "at least, and 8 until it is known what they take (default: always 8)",
       [this](const std::string& text) { return SetTimeBudget(text, watch_.time_budget_ms); });
   Add(watch, "--camera", "\"eye target [up] [fov_deg]\"",
       "What is looked at: receivers that fill more of the picture come first",
       [this](const std::string& text) { return SetCamera(text, watch_.camera); });
-  watch->add_option("--updates", watch_.max_updates, "Stop after N updates")->type_name("N");
-  watch->add_option("--seconds", watch_.max_seconds, "Stop after a time")->type_name("S");
+  Add(watch, "--updates", "N", "Stop after N updates",
+      [this](const std::string& text) { return SetUpdates(text, watch_.max_updates); });
+  Add(watch, "--seconds", "S", "Stop after a time",
+      [this](const std::string& text) { return SetSeconds(text, watch_.max_seconds); });
+  watch->add_flag("--until-final", watch_.until_final,
+                  "Stop once every shadow is there with all its samples");
   watch->add_flag("--json", watch_.json, "One JSON object a line");
 }
 

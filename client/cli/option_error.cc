@@ -1,13 +1,19 @@
 #include "client/cli/option_error.h"
 
 #include <string>
+#include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
 
 constexpr size_t kMaxQuotedBytes = 64;
+
+// Enough of a list to find a spelling mistake by, still one line.
+constexpr size_t kMaxIds = 12;
 
 bool IsControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
 
@@ -21,6 +27,18 @@ absl::Status OptionError(std::string_view option, std::string_view reason, Found
   text += '"';
   text += rest;
   return FieldError(absl::StatusCode::kInvalidArgument, reason, option, text);
+}
+
+absl::Status UnknownIdError(std::string_view option, std::string_view id,
+                            std::vector<std::string> known) {
+  const bool is_cut = known.size() > kMaxIds;
+  if (is_cut) known.resize(kMaxIds);
+  const std::string need =
+      known.empty()
+          ? ", but the scene has none"
+          : absl::StrCat(", need one of: ", absl::StrJoin(known, ", "), is_cut ? ", …" : "");
+  const absl::Status status = OptionError(option, "UNKNOWN_ID", {id}, need);
+  return absl::NotFoundError(status.message());
 }
 
 std::string OneLine(std::string_view text) {

@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/status.h"
 
@@ -19,6 +20,10 @@ struct FoundText {
 // kInvalidArgument: `option: found "quoted"rest`.
 absl::Status OptionError(std::string_view option, std::string_view reason, FoundText found,
                          std::string_view rest);
+
+// kNotFound: `option: found "id", need one of: …`, with a dozen of the `known` ids at most.
+absl::Status UnknownIdError(std::string_view option, std::string_view id,
+                            std::vector<std::string> known);
 
 // `text` on one line: control characters become blanks.
 std::string OneLine(std::string_view text);

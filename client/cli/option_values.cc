@@ -8,6 +8,8 @@
 #include "absl/strings/str_join.h"
 #include "client/cli/option_error.h"
 #include "render/scene/field_error.h"
+#include "render/scene/scene.h"
+#include "render/scene/scene_check.h"
 #include "render/scene/scene_limits.h"
 #include "render/scene/texture_size.h"
 
@@ -32,6 +34,26 @@ std::optional<Integer> ReadInteger(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+// One number for which `is_right`.
+absl::StatusOr<float> ReadNumber(std::string_view option, std::string_view text,
+                                 bool (*is_right)(float), std::string_view need) {
+  const auto numbers = ParseNumbers(option, text);
+  if (!numbers.ok()) return numbers.status();
+  if (numbers->size() != 1 || !is_right((*numbers)[0])) return RangeError(option, text, need);
+  return (*numbers)[0];
+}
+
+absl::StatusOr<float> ReadPositive(std::string_view option, std::string_view text) {
+  return ReadNumber(
+      option, text, [](float x) { return x > 0.0f; }, "one number above 0");
+}
+
+template <typename T>
+absl::Status Set(const absl::StatusOr<float>& number, T& value) {
+  if (number.ok()) value = *number;
+  return number.status();
 }
 
 absl::StatusOr<Vec3> ReadColor(std::string_view option, std::string_view text, float max) {
@@ -74,13 +96,23 @@ absl::Status SetSeed(TechniqueParams& params, std::string_view text) {
 }
 
 absl::Status SetTimeBudget(std::string_view text, float& time_budget_ms) {
-  const auto numbers = ParseNumbers("--time-budget", text);
-  if (!numbers.ok()) return numbers.status();
-  if (numbers->size() != 1 || !((*numbers)[0] > 0.0f)) {
-    return RangeError("--time-budget", text, "one number above 0");
-  }
-  time_budget_ms = (*numbers)[0];
+  return Set(ReadPositive("--time-budget", text), time_budget_ms);
+}
+
+absl::Status SetSeconds(std::string_view text, double& seconds) {
+  return Set(ReadPositive("--seconds", text), seconds);
+}
+
+absl::Status SetUpdates(std::string_view text, uint64_t& updates) {
+  const auto number = ReadInteger<uint64_t>(text);
+  if (!number || *number == 0) return RangeError("--updates", text, "a whole number above 0");
+  updates = *number;
   return absl::OkStatus();
+}
+
+absl::Status SetSceneId(std::string_view text, std::string& scene_id) {
+  scene_id = text;
+  return CheckId(text, "--scene");
 }
 
 absl::Status SetMethod(TechniqueParams& params, std::string_view text) {
@@ -104,7 +136,9 @@ absl::Status AddLight(const LightOption& option, std::string_view text,
   const auto is_same_kind = [&](const AreaLight& light) { return light.id.starts_with(option.id); };
   const auto before = std::ranges::count_if(lights, is_same_kind);
   std::string id = before == 0 ? option.id : absl::StrCat(option.id, "-", before + 1);
-  lights.push_back({.id = std::move(id), .shape = *std::move(shape)});
+  AreaLight light{.id = std::move(id), .shape = *std::move(shape)};
+  if (auto status = CheckLight(light, option.name, SceneLimits{}); !status.ok()) return status;
+  lights.push_back(std::move(light));
   return absl::OkStatus();
 }
 
@@ -114,7 +148,12 @@ absl::Status AddReceiver(std::string_view text, std::vector<Parallelogram>& rece
   if (numbers->size() != 9) {
     return CountError("--receiver", numbers->size(), "9: origin edge_u edge_v");
   }
-  receivers.push_back({Vec3At(*numbers, 0), Vec3At(*numbers, 3), Vec3At(*numbers, 6)});
+  const Parallelogram patch{Vec3At(*numbers, 0), Vec3At(*numbers, 3), Vec3At(*numbers, 6)};
+  const Receiver receiver{.id = "receiver", .shape = patch, .width = 1, .height = 1};
+  if (auto status = CheckReceiver(receiver, "--receiver", SceneLimits{}); !status.ok()) {
+    return status;
+  }
+  receivers.push_back(patch);
   return absl::OkStatus();
 }
 
@@ -137,33 +176,18 @@ absl::Status SetAmbient(std::string_view text, std::optional<Vec3>& ambient) {
 }
 
 absl::Status SetArea(std::string_view text, double& area_m2) {
-  const auto numbers = ParseNumbers("--min-area", text);
-  if (!numbers.ok()) return numbers.status();
-  if (numbers->size() != 1 || !((*numbers)[0] >= 0.0f && (*numbers)[0] <= 1e18f)) {
-    return RangeError("--min-area", text, "one number, 0 to 1e18");
-  }
-  area_m2 = (*numbers)[0];
-  return absl::OkStatus();
+  const auto is_right = [](float x) { return x >= 0.0f && x <= 1e18f; };
+  return Set(ReadNumber("--min-area", text, is_right, "one number, 0 to 1e18"), area_m2);
 }
 
 absl::Status SetDensity(std::string_view text, float& texels_per_metre) {
-  const auto numbers = ParseNumbers("--texels-per-metre", text);
-  if (!numbers.ok()) return numbers.status();
-  if (numbers->size() != 1 || !((*numbers)[0] > 0.0f && (*numbers)[0] <= kMaxTexelsPerMetre)) {
-    return RangeError("--texels-per-metre", text, "one number above 0, at most 1e6");
-  }
-  texels_per_metre = (*numbers)[0];
-  return absl::OkStatus();
+  const auto is_right = [](float x) { return x > 0.0f && x <= kMaxTexelsPerMetre; };
+  return Set(ReadNumber("--texels-per-metre", text, is_right, "one number above 0, at most 1e6"),
+             texels_per_metre);
 }
 
 absl::Status SetExposure(std::string_view text, std::optional<float>& exposure) {
-  const auto numbers = ParseNumbers("--exposure", text);
-  if (!numbers.ok()) return numbers.status();
-  if (numbers->size() != 1 || !((*numbers)[0] > 0.0f)) {
-    return RangeError("--exposure", text, "one number above 0");
-  }
-  exposure = (*numbers)[0];
-  return absl::OkStatus();
+  return Set(ReadPositive("--exposure", text), exposure);
 }
 
 absl::Status SetCamera(std::string_view text, std::optional<Camera>& camera) {

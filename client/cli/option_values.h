@@ -2,7 +2,9 @@
 // field path.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,9 +23,13 @@ absl::Status SetArea(std::string_view text, double& area_m2);
 absl::Status SetDensity(std::string_view text, float& texels_per_metre);
 absl::Status SetSeed(TechniqueParams& params, std::string_view text);
 absl::Status SetTimeBudget(std::string_view text, float& time_budget_ms);
+absl::Status SetSeconds(std::string_view text, double& seconds);    // > 0
+absl::Status SetUpdates(std::string_view text, uint64_t& updates);  // > 0
+absl::Status SetSceneId(std::string_view text, std::string& scene_id);
 absl::Status SetMethod(TechniqueParams& params, std::string_view text);
 
-// Ids are the option's, with "-2", "-3", … after the first of its kind.
+// Ids are the option's, with "-2", "-3", … after the first of its kind. Lights and receivers that
+// no scene would take are errors as well.
 absl::Status AddLight(const LightOption& option, std::string_view text,
                       std::vector<AreaLight>& lights);
 absl::Status AddReceiver(std::string_view text, std::vector<Parallelogram>& receivers);

@@ -39,7 +39,8 @@ Json ToJson(const Listed& listed) {
 
 std::string Line(const Listed& listed) {
   const Parallelogram& patch = listed.patch.patch;
-  const Vec3 c = listed.center(), n = patch.normal();
+  const Vec3 c = listed.center();
+  const Vec3 n = glm::round(100.0f * patch.normal()) / 100.0f + Vec3(0.0f);  // no -0.00
   return absl::StrFormat(
       "%s  %.4g m2, %.4g x %.4g m, %dx%d texels, at (%.3g, %.3g, %.3g), facing (%.2f, %.2f, %.2f)",
       listed.id, listed.surface.area_m2, glm::length(patch.edge_u), glm::length(patch.edge_v),

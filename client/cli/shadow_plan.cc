@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "client/cli/option_error.h"
 #include "client/cli/surface_plan.h"
 #include "render/scene/unoccluded_light.h"
@@ -12,9 +11,6 @@
 
 namespace penumbra {
 namespace {
-
-// Enough of a list to find a spelling mistake by, still one line.
-constexpr size_t kMaxIdsInError = 12;
 
 template <typename T>
 bool HasId(const std::vector<T>& objects, std::string_view id) {
@@ -35,28 +31,24 @@ std::string UniqueId(const std::vector<T>& taken, const std::string& wanted) {
 }
 
 template <typename T>
-absl::Status UnknownIdError(std::string_view option, std::string_view id,
-                            const std::vector<T>& known) {
+std::vector<std::string> IdsOf(const std::vector<T>& objects) {
   std::vector<std::string> ids;
-  for (const T& object : known) ids.push_back(object.id);
-  const size_t count = ids.size();
-  if (count > kMaxIdsInError) ids.resize(kMaxIdsInError);
-  const std::string need = count == 0 ? ", but the scene has none"
-                                      : absl::StrCat(", need one of: ", absl::StrJoin(ids, ", "),
-                                                     count > kMaxIdsInError ? ", …" : "");
-  const absl::Status status = OptionError(option, "UNKNOWN_ID", {id}, need);
-  return absl::NotFoundError(status.message());
+  for (const T& object : objects) ids.push_back(object.id);
+  return ids;
 }
 
 absl::Status PlanLights(const ImportedScene& imported, const ShadowRequest& request,
                         ShadowPlan& plan) {
   std::vector<AreaLight>& used = plan.delta.upsert_lights;
   const bool adds_up = std::ranges::count(request.light_ids, kAllLights) > 0;
+  if (adds_up && request.light_ids.size() > 1) {
+    return OptionError("--light", "CONFLICT", {kAllLights}, ", which is all of them, and others");
+  }
   if (adds_up) used = imported.lights;
   for (const std::string& id : request.light_ids) {
     if (id == kAllLights) continue;
     const AreaLight* light = FindById(imported.lights, id);
-    if (light == nullptr) return UnknownIdError("--light", id, imported.lights);
+    if (light == nullptr) return UnknownIdError("--light", id, IdsOf(imported.lights));
     if (!HasId(used, id)) used.push_back(*light);
   }
   for (AreaLight light : request.lights) {
@@ -68,7 +60,7 @@ absl::Status PlanLights(const ImportedScene& imported, const ShadowRequest& requ
     used.push_back(LightAbove(Bounds(imported)));
     plan.notes.push_back("the scene has no lights: a rectangle above it shines down");
   }
-  for (const AreaLight& light : used) plan.light_ids.push_back(light.id);
+  plan.light_ids = IdsOf(used);
   if (adds_up && request.adds_up_lights) plan.light_ids = {std::string(kAllLights)};
   return absl::OkStatus();
 }
@@ -105,7 +97,7 @@ absl::Status PlanReceivers(const ImportedScene& imported, const ShadowRequest& r
   for (const Parallelogram& patch : request.receivers) add("receiver", patch, true);
   for (const std::string& id : request.receiver_instances) {
     if (!HasId(imported.instances, id)) {
-      return UnknownIdError("--receiver-instance", id, imported.instances);
+      return UnknownIdError("--receiver-instance", id, IdsOf(imported.instances));
     }
     add(id, PlanarInstance{id}, true);
   }

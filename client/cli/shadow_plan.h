@@ -22,7 +22,8 @@ struct ShadowPlan {
   std::vector<std::string> notes;  // what was chosen where the request left it open, one line each
 };
 
-// Errors  kNotFound, reason UNKNOWN_ID: no such light or instance in the file
+// Errors  kNotFound, reason UNKNOWN_ID: no such light or instance in the file; kInvalidArgument,
+//         CONFLICT: lights named besides all of them
 absl::StatusOr<ShadowPlan> PlanShadows(const ImportedScene& imported, const ShadowRequest& request);
 
 // A patch at the bottom of `bounds`, centred, its edges three times the horizontal ones, front up,

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,25 +23,39 @@ using Json = nlohmann::ordered_json;
 // What is printed, from the callbacks' threads, and when it has been enough.
 class UpdatePrinter {
  public:
-  UpdatePrinter(const WatchCommand& command, const Console& console)
-      : command_(command), console_(console), start_ms_(NowMs()) {}
+  // `shadow_count`: how many are watched.
+  UpdatePrinter(const WatchCommand& command, size_t shadow_count, const Console& console)
+      : command_(command), shadow_count_(shadow_count), console_(console), start_ms_(NowMs()) {}
 
   void Print(const ArtifactSpec& spec, const ArtifactUpdate& update, const UpdateTraffic& traffic);
   // Waits until nothing more is to be printed.
   absl::Status Wait(std::stop_token stop);
 
  private:
+  bool IsEnough() const {
+    return !ended_.ok() || (command_.max_updates > 0 && count_ >= command_.max_updates) ||
+           (command_.until_final && final_.size() >= shadow_count_);
+  }
+  bool IsLate(const ArtifactHeader* header, double latency_ms) const;
   std::string Line(const ArtifactSpec& spec, const ArtifactUpdate& update,
                    const UpdateTraffic& traffic, double latency_ms) const;
 
   const WatchCommand& command_;
+  const size_t shadow_count_;
   const Console& console_;
   const double start_ms_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
   uint64_t count_ = 0;
+  std::set<std::string> final_;  // keys of the shadows that were final once
   absl::Status ended_;
 };
+
+// The time budget is for the first pass.
+bool UpdatePrinter::IsLate(const ArtifactHeader* header, double latency_ms) const {
+  return command_.time_budget_ms > 0 && header != nullptr && header->pass == 0 &&
+         latency_ms > command_.time_budget_ms;
+}
 
 std::string UpdatePrinter::Line(const ArtifactSpec& spec, const ArtifactUpdate& update,
                                 const UpdateTraffic& traffic, double latency_ms) const {
@@ -60,6 +75,7 @@ std::string UpdatePrinter::Line(const ArtifactSpec& spec, const ArtifactUpdate& 
       json["computed_revision"] = header->revision;
       json["samples"] = header->light_samples.size();
       json["timings_ms"] = header->timings_ms;
+      if (command_.time_budget_ms > 0) json["is_late"] = IsLate(header, latency_ms);
     } else {
       json["error"] = std::string(update.status.message());
     }
@@ -72,34 +88,33 @@ std::string UpdatePrinter::Line(const ArtifactSpec& spec, const ArtifactUpdate& 
                             header->is_final ? " (final)" : "", header->light_samples.size());
   return absl::StrFormat("%8.3f s  revision %d  %s.%s  %s, %d bytes, latency %.2f ms", at_s,
                          update.revision, spec.receiver_id, spec.light_id, what, traffic.bytes,
-                         latency_ms);
+                         latency_ms) +
+         (IsLate(header, latency_ms) ? ", later than asked for" : "");
 }
 
 void UpdatePrinter::Print(const ArtifactSpec& spec, const ArtifactUpdate& update,
                           const UpdateTraffic& traffic) {
   std::lock_guard lock(mutex_);
   if (traffic.is_last) ended_.Update(update.status);
-  const bool is_over = command_.max_updates > 0 && count_ >= command_.max_updates;
-  if (is_over || !ended_.ok()) {
+  if (IsEnough()) {
     changed_.notify_all();
     return;
   }
   const double latency_ms = traffic.received_ms - traffic.since_ms;
   console_.out << Line(spec, update, traffic, latency_ms) << std::endl;
   ++count_;
+  if (update.artifact && update.artifact->header.is_final) final_.insert(SpecKey(spec));
   changed_.notify_all();
 }
 
 absl::Status UpdatePrinter::Wait(std::stop_token stop) {
   std::unique_lock lock(mutex_);
-  const auto is_over = [this] {
-    return !ended_.ok() || (command_.max_updates > 0 && count_ >= command_.max_updates);
-  };
+  const auto is_enough = [this] { return IsEnough(); };
   if (command_.max_seconds > 0.0) {
     const std::chrono::duration<double> longest(std::min(command_.max_seconds, 1e8));
-    changed_.wait_for(lock, stop, longest, is_over);
+    changed_.wait_for(lock, stop, longest, is_enough);
   } else {
-    changed_.wait(lock, stop, is_over);
+    changed_.wait(lock, stop, is_enough);
   }
   return ended_;
 }
@@ -111,6 +126,21 @@ std::vector<std::string> IdsOf(const Scene::Table<T>& table) {
   return ids;
 }
 
+// Those named, each once, or all of the table's.
+template <typename T>
+absl::StatusOr<std::vector<std::string>> Chosen(std::string_view option,
+                                                std::vector<std::string> named,
+                                                const Scene::Table<T>& table) {
+  if (named.empty()) return IdsOf(table);
+  std::ranges::sort(named);
+  named.erase(std::unique(named.begin(), named.end()), named.end());
+  for (const std::string& id : named) {
+    const bool is_all = std::is_same_v<T, AreaLight> && id == kAllLights;
+    if (!is_all && table.find(id) == table.end()) return UnknownIdError(option, id, IdsOf(table));
+  }
+  return named;
+}
+
 }  // namespace
 
 absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
@@ -118,13 +148,14 @@ absl::Status Run(const WatchCommand& command, const Console& console, std::stop_
   if (!engine.ok()) return engine.status();
   const auto scene = (*engine)->Snapshot(command.scene_id);
   if (!scene.ok()) return scene.status();
-  const auto lights = command.light_ids.empty() ? IdsOf((*scene)->lights()) : command.light_ids;
-  const auto receivers =
-      command.receiver_ids.empty() ? IdsOf((*scene)->receivers()) : command.receiver_ids;
-  if (lights.empty() || receivers.empty()) {
+  const auto lights = Chosen("--light", command.light_ids, (*scene)->lights());
+  if (!lights.ok()) return lights.status();
+  const auto receivers = Chosen("--receiver", command.receiver_ids, (*scene)->receivers());
+  if (!receivers.ok()) return receivers.status();
+  if (lights->empty() || receivers->empty()) {
     return absl::FailedPreconditionError(
-        absl::StrCat("scene ", command.scene_id, ": found ", lights.size(), " lights and ",
-                     receivers.size(), " receivers, need one of each"));
+        absl::StrCat("scene ", command.scene_id, ": found ", lights->size(), " lights and ",
+                     receivers->size(), " receivers, need one of each"));
   }
 
   if (command.camera) {
@@ -132,10 +163,10 @@ absl::Status Run(const WatchCommand& command, const Console& console, std::stop_
         (*engine)->ReportView(command.scene_id, "watch", View{.camera = *command.camera});
     if (!status.ok()) return status;
   }
-  UpdatePrinter printer(command, console);
+  UpdatePrinter printer(command, lights->size() * receivers->size(), console);
   std::vector<std::unique_ptr<Subscription>> subscriptions;
-  for (const std::string& receiver_id : receivers) {
-    for (const std::string& light_id : lights) {
+  for (const std::string& receiver_id : *receivers) {
+    for (const std::string& light_id : *lights) {
       const ArtifactSpec spec{command.params, light_id, receiver_id, command.time_budget_ms};
       auto subscription = (*engine)->SubscribeMeasured(
           command.scene_id, spec,

@@ -47,13 +47,24 @@ absl::StatusOr<std::unique_ptr<ServerConnection>> ServerConnection::Open(
   return connection;
 }
 
-// Finds out at once whether there is a server, and what it accepts.
-absl::Status ServerConnection::Greet() {
+absl::Status ServerConnection::AskForInfo(v1::GetServerInfoResponse& info) {
   grpc::ClientContext context;
   context.set_deadline(After(options_.connect_timeout_s));
+  return StatusOfCall(options_.address,
+                      stub_->GetServerInfo(&context, v1::GetServerInfoRequest(), &info));
+}
+
+// Finds out at once whether there is a server, and what it accepts.
+absl::Status ServerConnection::Greet() {
   v1::GetServerInfoResponse info;
-  const absl::Status status = StatusOfCall(
-      options_.address, stub_->GetServerInfo(&context, v1::GetServerInfoRequest(), &info));
+  absl::Status status = AskForInfo(info);
+  if (absl::IsUnavailable(status)) {
+    // gRPC before 1.61 looks at errno some calls after connect() (its pull request 35064). One of
+    // them may have made a connection that is coming about look like one that failed: malloc does
+    // where there is no /sys. On a channel of its own a second try need not wait.
+    stub_ = v1::PenumbraService::NewStub(MakeChannel(options_.address));
+    status = AskForInfo(info);
+  }
   if (!status.ok()) return status;
   if (info.limits().max_message_bytes() > 0) max_message_bytes_ = info.limits().max_message_bytes();
   blobs_ = std::make_unique<BlobTransfer>(*this, info.limits());

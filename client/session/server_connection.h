@@ -52,6 +52,7 @@ class ServerConnection {
 
  private:
   explicit ServerConnection(RemoteEngineOptions options);
+  absl::Status AskForInfo(v1::GetServerInfoResponse& info);
   absl::Status Greet();
 
   const RemoteEngineOptions options_;

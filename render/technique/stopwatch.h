@@ -5,11 +5,12 @@
 
 namespace penumbra {
 
-// Measures wall time from its construction; 0 without a clock.
+// Measures wall time from its construction or last restart; 0 without a clock.
 class Stopwatch {
  public:
   explicit Stopwatch(const MonotonicClock& now_ms) : now_ms_(now_ms), start_(Now()) {}
   double ElapsedMs() const { return Now() - start_; }
+  void Restart() { start_ = Now(); }
 
  private:
   double Now() const { return now_ms_ ? now_ms_() : 0; }

@@ -18,15 +18,18 @@ inline constexpr uint32_t kMaxSamplesOfAllLights = 52'000;
 //         soft_texture.count_bits
 absl::Status CheckAllLights(const Scene& scene, const SoftTextureParams& params);
 
-// Computes each light's artifact by `technique` and adds them up: counts and radiance, which is
-// there whether asked for or not. Samples come light by light, in the order of the lights' ids; the
-// parameter `lights` tells which has how many. Texture.light is black, at no place, and called "*".
-// There are no coarse passes. What `context.memory` keeps is kept for each light.
+// Computes each light's texture and adds them up: counts and radiance, which is there whether asked
+// for or not. Samples come light by light, in the order of the lights' ids; the parameter `lights`
+// tells which has how many. Texture.light is black, at no place, and called "*". One coarse pass
+// comes first, with the first samples of every light, and each light's share of the time budget is
+// the same. What `context.memory` keeps is kept for each light.
 //
 // The unorm scale, where none is given, is the sum of the lights' largest unoccluded radiances.
 //
-// Errors  those of the technique
-absl::StatusOr<Artifact> ComputeAllLights(const Technique& technique, const Scene& scene,
-                                          const ArtifactSpec& spec, const ComputeContext& context);
+// `spec` must pass CheckSpec; the method gl needs `context.gl`.
+//
+// Errors  kCancelled: stop requested
+absl::StatusOr<Artifact> ComputeAllLights(const Scene& scene, const ArtifactSpec& spec,
+                                          const ComputeContext& context);
 
 }  // namespace penumbra

@@ -36,6 +36,12 @@ absl::Status CheckParams(const SoftTextureParams& params) {
     return RangeError("soft_texture.silhouette_reuse", absl::StrCat(params.silhouette_reuse),
                       absl::StrCat("1 to ", kMaxSilhouetteReuse));
   }
+  if (params.silhouette_reuse > 1 && !BorrowsOutlines(params)) {
+    return RangeError("soft_texture.silhouette_reuse",
+                      absl::StrCat(params.silhouette_reuse, " with the method ",
+                                   std::string(NameOf(params.method))),
+                      "1, or the method auto or silhouette");
+  }
   if (!(params.form_factor_error >= 0 && params.form_factor_error <= kMaxFormFactorError)) {
     return RangeError("soft_texture.form_factor_error", absl::StrCat(params.form_factor_error),
                       absl::StrCat("0 to ", kMaxFormFactorError));

@@ -3,8 +3,10 @@
 #include <signal.h>
 
 #include <chrono>
+#include <set>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "client/display/image_io.h"
 #include "client/session/remote_engine.h"
@@ -15,6 +17,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Json = nlohmann::json;
 
 std::vector<Json> JsonLines(const std::string& text) {
@@ -128,6 +131,43 @@ TEST_F(CommandsTest, WatchStopsAfterTheUpdatesAskedFor) {
   EXPECT_THAT(watched.out, AllOf(HasSubstr("revision 1"), HasSubstr("floor.rect-light"),
                                  HasSubstr("bytes"), HasSubstr("latency")));
   EXPECT_EQ(std::count(watched.out.begin(), watched.out.end(), '\n'), 1) << watched.out;
+}
+
+TEST_F(CommandsTest, WatchStopsWhenAllIsFinal) {
+  const std::string address = StartServer();
+  std::vector<std::string> push = PushWords(address, "-1 6 -1 2 0 0 0 0 2 5");
+  push.insert(push.end(), {"--point-light", "0 5 0 3", "--receiver", "-1 0.5 1 2 0 0 0 0 -2"});
+  ASSERT_EQ(Run(push).exit_status, 0);
+  const Finished each = Run({"watch", "--server", address, "--scene", "studio", "--until-final",
+                             "--samples", "100", "--json"});
+  EXPECT_EQ(each.exit_status, 0) << each.err;
+  std::set<std::pair<std::string, std::string>> final;
+  for (const Json& line : JsonLines(each.out)) {
+    EXPECT_FALSE(line.contains("is_late")) << "no time was asked for";
+    if (line["is_final"]) final.emplace(line["receiver"], line["light"]);
+  }
+  EXPECT_EQ(final.size(), 4u) << each.out;
+
+  // All lights in one: coarse at first, and then with all samples.
+  const Finished all =
+      Run({"watch", "--server", address, "--scene", "studio", "--until-final", "--light", "*",
+           "--receiver", "floor", "--samples", "100", "--time-budget", "1e-6", "--json"});
+  EXPECT_EQ(all.exit_status, 0) << all.err;
+  const std::vector<Json> lines = JsonLines(all.out);
+  ASSERT_GE(lines.size(), 1u);
+  EXPECT_EQ(lines.back()["samples"], 101);
+  if (lines.size() > 1) {
+    EXPECT_EQ(lines[0]["samples"], 9);
+  }
+  EXPECT_EQ(lines[0]["is_late"], lines.size() > 1) << "of a first pass, and nothing is so quick";
+}
+
+TEST_F(CommandsTest, PushSaysThatNothingReceives) {
+  const std::string address = StartServer();
+  const Finished push = Run({"push", scene_, "--server", address, "--scene", "studio"});
+  EXPECT_EQ(push.exit_status, 0);
+  EXPECT_THAT(push.err, HasSubstr("no receiver is named"));
+  EXPECT_THAT(Run(PushWords(address, "0 6 0 1 0 0 0 0 1 1")).err, Not(HasSubstr("no receiver")));
 }
 
 TEST_F(CommandsTest, ViewDrawsWhatItReceives) {

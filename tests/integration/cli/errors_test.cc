@@ -37,6 +37,19 @@ TEST_F(ErrorsTest, CommandLinesThatMakeNoSense) {
   ExpectError(Bake({"--rect-light", "1 2 3"}), "--rect-light: found 3 numbers, need 10 or 12", 2);
   ExpectError(Bake({"--size", "0x7"}), "--size: found \"0x7\"", 2);
   ExpectError(Bake({"--technique", "magic"}), "--technique: found \"magic\"", 2);
+  ExpectError(Bake({"--min-area", "2"}), "--min-area requires --every-polygon", 2);
+  ExpectError(Bake({"--receiver", "0 0 0 1 0 0 2 0 0"}), "--receiver.edge_v", 2);
+  ExpectError(Bake({"--rect-light", "0 5 0 0 0 0 0 0 1 5"}), "--rect-light.edge_u", 2);
+  ExpectError(Bake({"--sphere-light", "0 5 0 -1 5"}), "--sphere-light.radius", 2);
+  const std::vector<std::string> watch = {"watch", "--server", "127.0.0.1:1", "--scene"};
+  const auto Watch = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = watch;
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  ExpectError(Watch({"no blanks"}), "--scene: found byte 32", 2);
+  ExpectError(Watch({"s", "--seconds", "0"}), "--seconds: found \"0\", need one number above 0", 2);
+  ExpectError(Watch({"s", "--updates", "0"}), "--updates: found \"0\"", 2);
 }
 
 TEST_F(ErrorsTest, FilesThatCannotBeRead) {
@@ -61,9 +74,9 @@ TEST_F(ErrorsTest, ScenesThatCannotBeComputed) {
   ExpectError(Bake({"--light", "moon"}), "--light: found \"moon\"");
   ExpectError(Bake({"--receiver-instance", "moon"}), "--receiver-instance: found \"moon\"");
   ExpectError(Bake({"--receiver-instance", "box"}), "need an instance in one plane");
-  ExpectError(Bake({"--receiver", "0 0 0 1 0 0 2 0 0"}), "edge_v");
-  ExpectError(Bake({"--rect-light", "0 5 0 0 0 0 0 0 1 5"}), "edge_u");
-  ExpectError(Bake({"--sphere-light", "0 5 0 -1 5"}), "radius");
+  ExpectError(Bake({"--light", "*", "--light", "moon"}), "--light: found \"*\"");
+  ExpectError(Bake({"--method", "coverage", "--silhouette-reuse", "4"}),
+              "silhouette_reuse: found 4 with the method coverage");
 }
 
 TEST_F(ErrorsTest, ServersThatAreNotThere) {
@@ -79,9 +92,13 @@ TEST_F(ErrorsTest, ServersThatAreNotThere) {
 TEST_F(ErrorsTest, ScenesThatAServerDoesNotHave) {
   const std::string address = StartServer();
   ExpectError({"watch", "--server", address, "--scene", "nowhere"}, "nowhere");
-  ExpectError({"push", scene_, "--server", address, "--scene", "no blanks"},
-              "scene_id: found byte 32");
   ExpectError(Bake({"--server", address, "--samples", "0"}), "samples: found 0");
+  ASSERT_EQ(Run({"push", scene_, "--server", address, "--scene", "studio", "--floor"}).exit_status,
+            0);
+  for (const char* option : {"--light", "--receiver"}) {
+    ExpectError({"watch", "--server", address, "--scene", "studio", option, "moon"},
+                std::string(option) + ": found \"moon\", need one of: ");
+  }
   EXPECT_THAT(Run({"info", "--server", address}).out, HasSubstr("statistics.open_sessions  0"));
 }
 

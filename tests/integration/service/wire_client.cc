@@ -140,7 +140,10 @@ WireClient::WireClient(const std::string& address) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetMaxReceiveMessageSize(1 << 20);  // the most that the protocol allows
+  // What ServerConnection::Greet says of gRPC's errno: a first failure need not be one.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   channel_ = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  EXPECT_TRUE(channel_->WaitForConnected(std::chrono::system_clock::now() + kPatience));
   stub_ = v1::PenumbraService::NewStub(channel_);
 }
 

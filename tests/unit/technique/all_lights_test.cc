@@ -130,6 +130,81 @@ TEST(AllLights, AreTheSameOverKeptShadows) {
   }
 }
 
+// The coarse artifacts of a computation, and the final one last.
+std::vector<Artifact> PassesOf(const Scene& scene, const ArtifactSpec& spec,
+                               TechniqueMemory* memory, double tick_ms = 0) {
+  tbb::task_arena arena(2);
+  std::vector<Artifact> passes;
+  double now = 0;
+  const ComputeContext context{
+      .arena = arena,
+      .progress = [&](Artifact pass) { passes.push_back(std::move(pass)); },
+      .now_ms = [&] { return now += tick_ms; },
+      .memory = memory};
+  passes.push_back(TechniqueFor(spec.params).Compute(scene, spec, context).value());
+  return passes;
+}
+
+// More lights than can stand between the passes.
+SceneDelta ManyLamps() {
+  SceneDelta delta = RedAndBlue();
+  for (int i = 0; i < 9; ++i) {
+    const auto at = static_cast<float>(i);
+    delta.upsert_lights.push_back(
+        {.id = "lamp" + std::to_string(i),
+         .shape = SphereLight{
+             .center = Vec3(at - 4, 3, 0.2f * at), .radius = 0.3f, .radiance = Vec3(3)}});
+  }
+  return delta;
+}
+
+TEST(AllLights, ComeAtFirstWithFewSamplesOfEach) {
+  for (const SceneDelta& lights : {RedAndBlue(), ManyLamps()}) {
+    const auto scene = SceneOf(lights);
+    for (const Shading shading : {Shading::kProduct, Shading::kSampleSum}) {
+      const SoftTextureParams params{.samples = 600, .shading = shading};
+      const auto passes = PassesOf(*scene, {params, "*", "floor"}, nullptr);
+      ASSERT_EQ(passes.size(), 2u);
+      const uint32_t points = 1, areas = static_cast<uint32_t>(scene->lights().size()) - points;
+      for (uint32_t pass = 0; pass < 2; ++pass) {
+        const ArtifactHeader& header = passes[pass].header;
+        EXPECT_EQ(header.pass, pass);
+        EXPECT_EQ(header.is_final, pass == 1);
+        EXPECT_EQ(header.samples_requested, 600 * areas + points);
+        EXPECT_EQ(header.light_samples.size(), (pass == 0 ? 8 : 600) * areas + points);
+      }
+      EXPECT_GT(passes[0].header.error_estimate, 4 * passes[1].header.error_estimate);
+
+      // The same samples, whether they were counted twice or not.
+      const Artifact whole = ComputeOf("*", *scene, params).value();
+      EXPECT_EQ(RadianceOf(passes[1]), RadianceOf(whole));
+      EXPECT_EQ(TextureOf(passes[1]).visibility.counts, TextureOf(whole).visibility.counts);
+      double difference = 0, sum = 0;
+      for (size_t t = 0; t < RadianceOf(whole).size(); ++t) {
+        difference += glm::length(RadianceOf(passes[0])[t] - RadianceOf(whole)[t]);
+        sum += glm::length(RadianceOf(whole)[t]);
+      }
+      EXPECT_GT(difference, 0);
+      EXPECT_LT(difference, 0.05 * sum) << "as bright as in the end, but for the noise";
+    }
+  }
+}
+
+TEST(AllLights, ShareATimeBudget) {
+  const auto scene = SceneOf(RedAndBlue());
+  MemoryBudget none(0);
+  TechniqueMemory memory{none};
+  ArtifactSpec spec{SoftTextureParams{.samples = 500}, "*", "floor"};
+  spec.time_budget_ms = 300;
+  const auto first = [&](double tick_ms) {
+    return PassesOf(*scene, spec, &memory, tick_ms)[0].header.parameters.at("lights");
+  };
+  EXPECT_EQ(first(1), "blue:8 red:8 spot:1");    // nothing is known yet
+  EXPECT_EQ(first(1), "blue:32 red:32 spot:1");  // there was time for more, but not all at once
+  first(1e6);
+  EXPECT_EQ(first(1), "blue:1 red:1 spot:1");  // the last one took far too long
+}
+
 TEST(AllLights, HaveToFit) {
   SceneDelta delta = RedAndBlue();
   const auto few = SceneOf(delta);

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "render/scene/field_error.h"
 #include "tests/support/rippled_torus.h"
 #include "tests/unit/technique/soft_texture_scenes.h"
 
@@ -66,15 +67,15 @@ TEST(BorrowedOutlines, AreNearlyRightAndSayHowNearly) {
   }
 }
 
-TEST(BorrowedOutlines, ChangeNothingOfWhatHasNone) {
+TEST(BorrowedOutlines, AreRefusedByMethodsThatHaveNone) {
   const auto scene = TorusScene();
-  for (const auto method : {VisibilityMethod::kCoverage, VisibilityMethod::kEdgeFlag}) {
-    const auto computed = [&](uint32_t reuse) {
-      return Compute(*scene, {.method = method, .silhouette_reuse = reuse}).value();
-    };
-    EXPECT_EQ(CountsOf(computed(8)), CountsOf(computed(1)));
-    EXPECT_EQ(computed(8).header.parameters, computed(1).header.parameters);
+  for (const auto method :
+       {VisibilityMethod::kCoverage, VisibilityMethod::kEdgeFlag, VisibilityMethod::kGl}) {
+    const auto status = Compute(*scene, {.method = method, .silhouette_reuse = 8}).status();
+    EXPECT_EQ(ErrorFieldPath(status), "soft_texture.silhouette_reuse") << status;
   }
+  const SoftTextureParams exact{.method = VisibilityMethod::kCoverage, .silhouette_reuse = 1};
+  EXPECT_TRUE(Compute(*scene, exact).ok());
 }
 
 TEST(BorrowedOutlines, OfAllLightsReportTheWorst) {
