@@ -14,7 +14,11 @@
 namespace penumbra::testing {
 namespace {
 
-constexpr char kNobody[] = "127.0.0.1:1";  // a port that nobody listens on
+// Where nobody listens any more, on a port that any user may listen on.
+std::string AddressOfNobody() {
+  Daemon killed({"--listen", "127.0.0.1:0"});
+  return killed.Address();
+}
 
 class AddressFileTest : public ::testing::Test {
  protected:
@@ -74,12 +78,12 @@ TEST_F(AddressFileTest, OfTheNextServerOutlivesTheOneThatDrains) {
 }
 
 TEST_F(AddressFileTest, OfADeadServerSendsNobodyThere) {
-  std::ofstream(file_) << kNobody << "\n";
+  std::ofstream(file_) << AddressOfNobody() << "\n";
   Daemon one_that_lives({"--listen", "127.0.0.1:0"});
   Daemon cannot_start(Words(one_that_lives.Address()));
   EXPECT_EQ(cannot_start.Wait(), EXIT_FAILURE);
   EXPECT_FALSE(exists(file_));
-  std::ofstream(file_) << kNobody << "\n";
+  std::ofstream(file_) << AddressOfNobody() << "\n";
   Daemon daemon(Words());
   EXPECT_EQ(Text(), daemon.Address());
 }
