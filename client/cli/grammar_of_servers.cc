@@ -26,9 +26,8 @@ void Grammar::AddPushAndWatch() {
       ->allow_extra_args(false)
       ->type_name("ID");
   Add(watch, "--time-budget", "MS",
-      "How soon after a commit its first artifact should be there, with as many samples as fit: "
-      "one "
-      "at least, and 8 until it is known what they take (default: always 8)",
+      "How soon after a commit its first artifact should be there, with as many samples as fit, "
+      "at least one, and 8 until it is known what they take (default: always 8)",
       [this](const std::string& text) { return SetTimeBudget(text, watch_.time_budget_ms); });
   Add(watch, "--camera", "\"eye target [up] [fov_deg]\"",
       "What is looked at: receivers that fill more of the picture come first",

@@ -75,7 +75,8 @@ absl::Status SceneSession::Greet() {
   const std::chrono::duration<double> timeout(connection_.options().connect_timeout_s);
   changed_.wait_for(lock, timeout, [this] { return is_welcome_ || has_ended_; });
   if (is_welcome_) return absl::OkStatus();
-  if (has_ended_) return end_reason_;
+  // Whoever names a scene to an engine knows of no hello.
+  if (has_ended_) return WithoutFieldPrefix(end_reason_, "hello.");
   return absl::UnavailableError(absl::StrCat(address_, ": no session opens in time"));
 }
 

@@ -45,4 +45,16 @@ absl::Status WithFieldPrefix(const absl::Status& status, std::string_view prefix
   return prefixed;
 }
 
+absl::Status WithoutFieldPrefix(const absl::Status& status, std::string_view prefix) {
+  const std::string field = ErrorFieldPath(status);
+  if (!field.starts_with(prefix) || !std::string(status.message()).starts_with(prefix)) {
+    return status;
+  }
+  absl::Status bare(status.code(), status.message().substr(prefix.size()));
+  status.ForEachPayload(
+      [&](absl::string_view name, const absl::Cord& value) { bare.SetPayload(name, value); });
+  bare.SetPayload(kFieldPayload, absl::Cord(field.substr(prefix.size())));
+  return bare;
+}
+
 }  // namespace penumbra

@@ -23,5 +23,7 @@ std::string ErrorReason(const absl::Status& status);
 
 // The same error with `prefix` put before its field path and its message ("delta." for instance).
 absl::Status WithFieldPrefix(const absl::Status& status, std::string_view prefix);
+// The same error without `prefix` before its field path and its message, where both begin with it.
+absl::Status WithoutFieldPrefix(const absl::Status& status, std::string_view prefix);
 
 }  // namespace penumbra

@@ -12,6 +12,7 @@ namespace penumbra::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 class ErrorTest : public ConformanceTest {
  protected:
@@ -57,6 +58,18 @@ TEST_P(ErrorTest, RefusedCommitsLeaveTheSceneAsItWas) {
   stale.base_revision = 7;
   ExpectRefused(stale, absl::StatusCode::kOutOfRange, "FUTURE_BASE", "7");
   EXPECT_LT(Mean(Visibilities(scene_, Spec())), 1) << "and it still computes";
+}
+
+TEST_P(ErrorTest, ScenesThatAreNotThereAreNamedAlike) {
+  for (const absl::Status& status :
+       {engine_->Snapshot("nowhere").status(), engine_->Commit("nowhere", stage_.delta()).status(),
+        ComputeOnce(*engine_, "nowhere", Spec()).status()}) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kNotFound) << status;
+    EXPECT_EQ(ErrorReason(status), "UNKNOWN_ID");
+    EXPECT_EQ(ErrorFieldPath(status), "scene_id");
+    EXPECT_THAT(std::string(status.message()), StartsWith("scene_id: "));
+    EXPECT_THAT(std::string(status.message()), HasSubstr("nowhere"));
+  }
 }
 
 TEST_P(ErrorTest, SpecsThatCannotBeComputed) {

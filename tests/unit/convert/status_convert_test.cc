@@ -35,6 +35,14 @@ TEST(StatusConvertTest, EveryCodeGoesThereAndBack) {
   EXPECT_TRUE(FromGrpcStatus(grpc::Status::OK).ok());
 }
 
+TEST(StatusConvertTest, AFieldPrefixIsTakenOffAsItWasPutOn) {
+  const absl::Status bare = FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "id", "found x");
+  ExpectSame(WithoutFieldPrefix(WithFieldPrefix(bare, "hello."), "hello."), bare);
+  ExpectSame(WithoutFieldPrefix(bare, "hello."), bare);
+  ExpectSame(WithoutFieldPrefix(absl::AbortedError("hello.id"), "hello."),
+             absl::AbortedError("hello.id"));
+}
+
 TEST(StatusConvertTest, DetailsAreThoseOfGoogleRpc) {
   const auto proto =
       ToProto(FieldError(absl::StatusCode::kInvalidArgument, "NON_FINITE", "a[1].b", "found NaN"));
