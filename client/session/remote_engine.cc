@@ -20,6 +20,26 @@ std::string ToJson(const google::protobuf::Message& message) {
   return status.ok() ? json : "{}";
 }
 
+bool MeansSceneIsGone(const absl::Status& status) {
+  return absl::IsNotFound(status) && ErrorFieldPath(status) == "scene_id";
+}
+
+// What `request` makes of the scene's session. A session learns of its scene's deletion some time
+// after it, so a request that it answers with that is made once more, on the session of the scene
+// that has the id by now, as if it had been made after the deletion.
+template <typename Request>
+auto OnSession(ServerConnection& connection, const std::string& scene_id, const Request& request)
+    -> decltype(request(std::declval<SceneSession&>())) {
+  const auto session = connection.SessionOf(scene_id);
+  if (!session.ok()) return session.status();
+  auto result = request(**session);
+  if (!MeansSceneIsGone(result.status())) return result;
+  connection.EndSessionOfDeleted(scene_id, *session);
+  const auto next = connection.SessionOf(scene_id);
+  if (!next.ok()) return next.status();
+  return request(**next);
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<RemoteEngine>> RemoteEngine::Connect(RemoteEngineOptions options) {
@@ -37,20 +57,24 @@ absl::Status RemoteEngine::CreateScene(const std::string& scene_id) {
   v1::CreateSceneRequest request;
   request.set_scene_id(scene_id);
   v1::CreateSceneResponse response;
-  return connection_->Call(&v1::PenumbraService::Stub::CreateScene, request, &response);
+  // A session from before the scene was created is one on a scene of the same id that is gone, of
+  // which its stream need not have told yet.
+  const auto session = connection_->FindSession(scene_id);
+  const absl::Status status =
+      connection_->Call(&v1::PenumbraService::Stub::CreateScene, request, &response);
+  if (status.ok()) connection_->EndSessionOfDeleted(scene_id, session);
+  return status;
 }
 
 absl::Status RemoteEngine::DeleteScene(const std::string& scene_id) {
   v1::DeleteSceneRequest request;
   request.set_scene_id(scene_id);
   v1::DeleteSceneResponse response;
+  const auto session = connection_->FindSession(scene_id);
   const absl::Status status =
       connection_->Call(&v1::PenumbraService::Stub::DeleteScene, request, &response);
-  if (!status.ok()) return status;
-  connection_->EndSession(
-      scene_id, FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
-                           "found \"" + scene_id + "\", which was deleted, need a scene's id"));
-  return absl::OkStatus();
+  if (status.ok()) connection_->EndSessionOfDeleted(scene_id, session);
+  return status;
 }
 
 absl::StatusOr<std::vector<SceneInfo>> RemoteEngine::ListScenes() {
@@ -69,15 +93,13 @@ absl::StatusOr<std::vector<SceneInfo>> RemoteEngine::ListScenes() {
 
 absl::StatusOr<Revision> RemoteEngine::Commit(const std::string& scene_id,
                                               const SceneDelta& delta) {
-  const auto session = connection_->SessionOf(scene_id);
-  if (!session.ok()) return session.status();
-  return (*session)->Commit(delta);
+  return OnSession(*connection_, scene_id,
+                   [&](SceneSession& session) { return session.Commit(delta); });
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> RemoteEngine::Snapshot(const std::string& scene_id) {
-  const auto session = connection_->SessionOf(scene_id);
-  if (!session.ok()) return session.status();
-  return (*session)->Snapshot();
+  return OnSession(*connection_, scene_id,
+                   [](SceneSession& session) { return session.Snapshot(); });
 }
 
 absl::StatusOr<std::unique_ptr<Subscription>> RemoteEngine::Subscribe(const std::string& scene_id,
@@ -92,9 +114,8 @@ absl::StatusOr<std::unique_ptr<Subscription>> RemoteEngine::Subscribe(const std:
 
 absl::StatusOr<std::unique_ptr<Subscription>> RemoteEngine::SubscribeMeasured(
     const std::string& scene_id, const ArtifactSpec& spec, MeasuredCallback callback) {
-  const auto session = connection_->SessionOf(scene_id);
-  if (!session.ok()) return session.status();
-  return (*session)->Subscribe(spec, std::move(callback));
+  return OnSession(*connection_, scene_id,
+                   [&](SceneSession& session) { return session.Subscribe(spec, callback); });
 }
 
 absl::Status RemoteEngine::ReportView(const std::string& scene_id, const std::string& /*viewer*/,
@@ -106,9 +127,8 @@ absl::Status RemoteEngine::ReportView(const std::string& scene_id, const std::st
 
 absl::StatusOr<std::vector<EachSubscription>> RemoteEngine::SubscribeEach(
     const std::string& scene_id, const EachRequest& request, EachCallback callback) {
-  const auto session = connection_->SessionOf(scene_id);
-  if (!session.ok()) return session.status();
-  return (*session)->SubscribeEach(request, std::move(callback));
+  return OnSession(*connection_, scene_id,
+                   [&](SceneSession& session) { return session.SubscribeEach(request, callback); });
 }
 
 absl::StatusOr<std::string> RemoteEngine::ServerInfoJson() {

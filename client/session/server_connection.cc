@@ -6,6 +6,7 @@
 #include "grpcpp/create_channel.h"
 #include "grpcpp/security/credentials.h"
 #include "grpcpp/support/channel_arguments.h"
+#include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
@@ -89,11 +90,20 @@ absl::StatusOr<std::shared_ptr<SceneSession>> ServerConnection::SessionOf(
   return session;
 }
 
-void ServerConnection::EndSession(const std::string& scene_id, const absl::Status& reason) {
+std::shared_ptr<SceneSession> ServerConnection::FindSession(const std::string& scene_id) {
   std::lock_guard lock(mutex_);
   const auto found = sessions_.find(scene_id);
-  if (found == sessions_.end()) return;
-  found->second->End(reason);
+  return found == sessions_.end() ? nullptr : found->second;
+}
+
+void ServerConnection::EndSessionOfDeleted(const std::string& scene_id,
+                                           const std::shared_ptr<SceneSession>& session) {
+  if (session == nullptr) return;
+  session->End(FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
+                          "found '" + scene_id + "', which was deleted, need a scene"));
+  std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(scene_id);
+  if (found == sessions_.end() || found->second != session) return;
   ended_sessions_.push_back(std::move(found->second));
   sessions_.erase(found);
 }

@@ -34,8 +34,12 @@ class ServerConnection {
   //
   // Errors  kNotFound: no such scene; kUnavailable
   absl::StatusOr<std::shared_ptr<SceneSession>> SessionOf(const std::string& scene_id);
-  // Ends the session, if there is one, for `reason`.
-  void EndSession(const std::string& scene_id, const absl::Status& reason);
+  // The session that is open on the scene, or null. Opens none.
+  std::shared_ptr<SceneSession> FindSession(const std::string& scene_id);
+  // Ends a session whose scene is gone: what is under way ends with kNotFound, and the next
+  // SessionOf opens another one. `session` may be null.
+  void EndSessionOfDeleted(const std::string& scene_id,
+                           const std::shared_ptr<SceneSession>& session);
 
   // When a call that moves so many bytes must be over.
   std::chrono::system_clock::time_point DeadlineFor(uint64_t bytes) const;

@@ -88,5 +88,55 @@ TEST_F(DeletionTest, ByItselfEndsWhatWaitsForTheFirstArtifact) {
   EXPECT_EQ(ErrorFieldPath(by_itself), "scene_id");
 }
 
+// What follows a deletion at once crosses the end of the deleted scene's session: once is no proof.
+constexpr int kRounds = 40;
+
+TEST_F(RemoteEngineTest, AfterADeletionAnotherSceneMayHaveTheId) {
+  const auto alice = Connect();
+  const auto bob = Connect();
+  for (int i = 0; i < kRounds; ++i) {
+    ASSERT_EQ(alice->CreateScene("studio"), absl::OkStatus());
+    ASSERT_TRUE(alice->Commit("studio", Studio()).ok());
+    Inbox of_alice, of_bob;
+    const auto first = alice->Subscribe("studio", FloorSpec(), of_alice.callback());
+    const auto second = bob->Subscribe("studio", FloorSpec(), of_bob.callback());
+    ASSERT_TRUE(first.ok() && second.ok());
+    ASSERT_EQ(alice->DeleteScene("studio"), absl::OkStatus());
+    ASSERT_TRUE(of_alice.WaitForError(absl::StatusCode::kNotFound));
+    ASSERT_TRUE(of_bob.WaitForError(absl::StatusCode::kNotFound));
+
+    ASSERT_EQ(alice->CreateScene("studio"), absl::OkStatus());
+    const auto revision = bob->Commit("studio", Studio());
+    ASSERT_TRUE(revision.ok()) << "round " << i << ": " << revision.status();
+    EXPECT_EQ(*revision, 1u);
+    EXPECT_TRUE(ComputeOnce(*alice, "studio", FloorSpec()).ok());
+    ASSERT_EQ(bob->DeleteScene("studio"), absl::OkStatus());
+  }
+}
+
+TEST_F(RemoteEngineTest, WhoCreatesASceneUsesThatOneAndNoneOfTheSameIdFromBefore) {
+  const auto alice = Connect();
+  const auto bob = Connect();
+  // Keeps bob's session busy, so that its end comes late.
+  SceneDelta many;
+  for (int box = 0; box < 2000; ++box) {
+    many.upsert_instances.push_back(Studio().upsert_instances[0]);
+    many.upsert_instances.back().id = "box-" + std::to_string(box);
+  }
+  for (int i = 0; i < kRounds; ++i) {
+    ASSERT_EQ(alice->CreateScene("studio"), absl::OkStatus());
+    ASSERT_TRUE(bob->Commit("studio", Studio()).ok());
+    ASSERT_TRUE(alice->Commit("studio", many).ok());
+    ASSERT_EQ(alice->DeleteScene("studio"), absl::OkStatus());
+
+    ASSERT_EQ(bob->CreateScene("studio"), absl::OkStatus()) << "nothing tells bob of the deletion";
+    EXPECT_EQ((*bob->Snapshot("studio"))->revision(), 0u);
+    const auto revision = bob->Commit("studio", Studio());
+    ASSERT_TRUE(revision.ok()) << "round " << i << ": " << revision.status();
+    EXPECT_EQ(*revision, 1u);
+    ASSERT_EQ(alice->DeleteScene("studio"), absl::OkStatus());
+  }
+}
+
 }  // namespace
 }  // namespace penumbra::testing

@@ -74,23 +74,6 @@ TEST_F(RemoteEngineTest, UnknownAndDuplicateScenesAreTold) {
   EXPECT_EQ(engine->CreateScene("studio").code(), absl::StatusCode::kAlreadyExists);
 }
 
-TEST_F(RemoteEngineTest, DeletingASceneEndsItsSubscriptionsAndItsIdIsFreeAgain) {
-  const auto alice = Connect();
-  const auto bob = Connect();
-  ASSERT_EQ(alice->CreateScene("studio"), absl::OkStatus());
-  ASSERT_TRUE(alice->Commit("studio", Studio()).ok());
-  Inbox of_alice, of_bob;
-  const auto first = alice->Subscribe("studio", FloorSpec(), of_alice.callback());
-  const auto second = bob->Subscribe("studio", FloorSpec(), of_bob.callback());
-  ASSERT_TRUE(first.ok() && second.ok());
-  ASSERT_EQ(alice->DeleteScene("studio"), absl::OkStatus());
-  EXPECT_TRUE(of_alice.WaitForError(absl::StatusCode::kNotFound));
-  EXPECT_TRUE(of_bob.WaitForError(absl::StatusCode::kNotFound));
-  ASSERT_EQ(bob->CreateScene("studio"), absl::OkStatus());
-  EXPECT_EQ(bob->Commit("studio", Studio()).value(), 1u);
-  EXPECT_TRUE(ComputeOnce(*alice, "studio", FloorSpec()).ok());
-}
-
 TEST_F(RemoteEngineTest, AServerThatGoesAwayEndsEverythingWithUnavailable) {
   const auto engine = Connect();
   ASSERT_EQ(engine->CreateScene("studio"), absl::OkStatus());

@@ -89,7 +89,10 @@ class StuckServer final : public v1::PenumbraService::Service {
       grpc::ServerReaderWriter<v1::SessionResponse, v1::SessionRequest>* stream) override {
     v1::SessionRequest request;
     while (stream->Read(&request)) {
-      if (request.has_hello()) Welcome(*stream);
+      if (request.has_hello()) {
+        if (is_deleted_) return grpc::Status(grpc::StatusCode::NOT_FOUND, "no such scene");
+        Welcome(*stream);
+      }
       if (request.has_commit()) {
         v1::SessionResponse response;
         response.mutable_commit_result()->set_commit_id(request.commit().commit_id());
@@ -103,6 +106,7 @@ class StuckServer final : public v1::PenumbraService::Service {
 
   grpc::Status DeleteScene(grpc::ServerContext*, const v1::DeleteSceneRequest*,
                            v1::DeleteSceneResponse*) override {
+    is_deleted_ = true;
     return grpc::Status::OK;
   }
 
@@ -148,6 +152,7 @@ class StuckServer final : public v1::PenumbraService::Service {
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
   std::atomic<bool> is_downloading_{false};
+  std::atomic<bool> is_deleted_{false};
 };
 
 TEST(StuckMirrorTest, KeepsNeitherCallbacksNorCommitsNorTheEndWaiting) {
