@@ -105,7 +105,6 @@ absl::Status Run(const BakeCommand& command, const Console& console, std::stop_t
   const bool names_none =
       request.receivers.empty() && request.receiver_instances.empty() && !request.every_polygon;
   request.floor = request.floor || names_none;
-  request.adds_up_lights = true;
   const auto imported = ImportScene(request.scene);
   if (!imported.ok()) return imported.status();
   auto plan = PlanShadows(*imported, request);

@@ -8,6 +8,7 @@
 #include "CLI/Config.hpp"
 #include "CLI/Formatter.hpp"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "client/cli/grammar.h"
 #include "client/cli/light_option.h"
 #include "client/cli/option_error.h"
@@ -41,8 +42,8 @@ void Grammar::AddRepeated(CLI::App* app, const char* name, const std::string& fo
 }
 
 void Grammar::AddEngine(CLI::App* app, EngineChoice& engine, bool server_is_required) {
-  app->add_option("--server", engine.server, "Compute on the server at this address")
-      ->type_name("HOST:PORT")
+  Add(app, "--server", "HOST:PORT", "Compute on the server at this address",
+      [&engine](const std::string& text) { return SetServer(text, engine.server); })
       ->required(server_is_required);
 }
 
@@ -68,8 +69,9 @@ void Grammar::AddTechnique(CLI::App* app, TechniqueParams& params) {
 
 void Grammar::AddLights(CLI::App* app, ShadowRequest& request) {
   app->add_option("--light", request.light_ids,
-                  "A light of the scene; default: all of them. If any light is named or given as "
-                  "numbers, only those shine. *: all of them, baked into one texture")
+                  absl::StrCat("A light of the scene; default: all of them. If any light is named "
+                               "or given as numbers, only those shine. *: all of them",
+                               request.adds_up_lights ? ", in one texture" : ""))
       ->allow_extra_args(false)
       ->type_name("ID");
   for (const LightOption& option : LightOptions()) {
@@ -120,6 +122,7 @@ void Grammar::AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_
 void Grammar::AddThreads(CLI::App* app, EngineChoice& engine) {
   app->add_option("--threads", engine.threads,
                   "Without a server: threads to compute on (default 0: one for each processor)")
+      ->check(CLI::Range(0, 1024))
       ->type_name("N");
 }
 
@@ -140,6 +143,7 @@ void Grammar::AddReceivers() {
 
 void Grammar::AddBake() {
   CLI::App* app = AddCommand(bake_, "bake", "Write the soft shadows of a scene to files");
+  bake_.request.adds_up_lights = true;
   AddRequest(app, bake_.request, "--size");
   AddTechnique(app, bake_.request.params);
   AddEngine(app, bake_.engine);
@@ -193,7 +197,21 @@ Grammar::Grammar() {
   AddReceivers();
 }
 
+std::vector<std::string> Grammar::CommandNames() const {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app_.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
 absl::StatusOr<Command> Grammar::Parse(const std::vector<std::string>& arguments) {
+  const std::vector<std::string> commands = CommandNames();
+  if (!arguments.empty() && !arguments[0].starts_with('-') &&
+      std::ranges::count(commands, arguments[0]) == 0) {
+    return OptionError("command", "UNKNOWN_COMMAND", {arguments[0]},
+                       absl::StrCat(", need one of: ", absl::StrJoin(commands, ", ")));
+  }
   std::vector<std::string> reversed = TieNumbersToOptions(arguments);
   std::reverse(reversed.begin(), reversed.end());
   try {

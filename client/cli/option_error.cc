@@ -30,12 +30,12 @@ absl::Status OptionError(std::string_view option, std::string_view reason, Found
 }
 
 absl::Status UnknownIdError(std::string_view option, std::string_view id,
-                            std::vector<std::string> known) {
+                            std::vector<std::string> known, std::string_view where) {
   const bool is_cut = known.size() > kMaxIds;
   if (is_cut) known.resize(kMaxIds);
   const std::string need =
       known.empty()
-          ? ", but the scene has none"
+          ? absl::StrCat(", but ", std::string(where), " has none")
           : absl::StrCat(", need one of: ", absl::StrJoin(known, ", "), is_cut ? ", …" : "");
   const absl::Status status = OptionError(option, "UNKNOWN_ID", {id}, need);
   return absl::NotFoundError(status.message());

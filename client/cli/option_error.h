@@ -22,8 +22,9 @@ absl::Status OptionError(std::string_view option, std::string_view reason, Found
                          std::string_view rest);
 
 // kNotFound: `option: found "id", need one of: …`, with a dozen of the `known` ids at most.
+// `where` is what has none, if there is none.
 absl::Status UnknownIdError(std::string_view option, std::string_view id,
-                            std::vector<std::string> known);
+                            std::vector<std::string> known, std::string_view where = "the scene");
 
 // `text` on one line: control characters become blanks.
 std::string OneLine(std::string_view text);

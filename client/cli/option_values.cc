@@ -110,6 +110,15 @@ absl::Status SetUpdates(std::string_view text, uint64_t& updates) {
   return absl::OkStatus();
 }
 
+absl::Status SetServer(std::string_view text, std::string& server) {
+  // An IPv6 address without a port ends with its bracket.
+  if (text.find(':') == std::string_view::npos || text.back() == ']' || text.back() == ':') {
+    return OptionError("--server", "BAD_ADDRESS", {text}, ", need HOST:PORT or unix:PATH");
+  }
+  server = text;
+  return absl::OkStatus();
+}
+
 absl::Status SetSceneId(std::string_view text, std::string& scene_id) {
   scene_id = text;
   return CheckId(text, "--scene");

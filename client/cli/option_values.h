@@ -25,6 +25,8 @@ absl::Status SetSeed(TechniqueParams& params, std::string_view text);
 absl::Status SetTimeBudget(std::string_view text, float& time_budget_ms);
 absl::Status SetSeconds(std::string_view text, double& seconds);    // > 0
 absl::Status SetUpdates(std::string_view text, uint64_t& updates);  // > 0
+// Anything that names a port or a scheme; gRPC reads the rest.
+absl::Status SetServer(std::string_view text, std::string& server);
 absl::Status SetSceneId(std::string_view text, std::string& scene_id);
 absl::Status SetMethod(TechniqueParams& params, std::string_view text);
 

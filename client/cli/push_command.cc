@@ -63,7 +63,9 @@ absl::Status Run(const PushCommand& command, const Console& console, std::stop_t
                                   traffic.bytes_sent * 1e-6, traffic.blobs_known));
   for (const std::string& note : plan->notes) console.Note(note);
   if (plan->receiver_ids.empty()) {
-    console.Note("no receiver is named: nothing shows shadows until a client adds one");
+    console.Note(
+        "no receiver is named (--floor, --receiver, --receiver-instance, --every-polygon): nothing "
+        "shows shadows until a client adds one");
   }
   Report(command, *plan, *revision, traffic, wall_ms, console);
   return absl::OkStatus();

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/cli/option_error.h"
 #include "client/cli/surface_plan.h"
+#include "render/scene/field_error.h"
 #include "render/scene/unoccluded_light.h"
 #include "render/technique/artifact_spec.h"
 
@@ -42,7 +43,8 @@ absl::Status PlanLights(const ImportedScene& imported, const ShadowRequest& requ
   std::vector<AreaLight>& used = plan.delta.upsert_lights;
   const bool adds_up = std::ranges::count(request.light_ids, kAllLights) > 0;
   if (adds_up && request.light_ids.size() > 1) {
-    return OptionError("--light", "CONFLICT", {kAllLights}, ", which is all of them, and others");
+    return OptionError("--light", "CONFLICT", {kAllLights},
+                       ", which is all of them, and another --light, need it alone");
   }
   if (adds_up) used = imported.lights;
   for (const std::string& id : request.light_ids) {
@@ -71,7 +73,13 @@ absl::Status PlanSurfaces(const ImportedScene& imported, const ShadowRequest& re
   const InstanceTable instances = TableOf(imported);
   PlanarSurfaceRequest every =
       SurfaceRequestFor(instances, request.min_area_m2, request.texels_per_metre);
-  const auto receivers = ReceiversOnSurfaces(instances, every, "--every-polygon", SceneLimits{});
+  const SceneLimits limits;
+  const auto receivers = ReceiversOnSurfaces(instances, every, "--every-polygon", limits);
+  if (ErrorReason(receivers.status()) == "QUOTA_RECEIVERS") {
+    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_RECEIVERS", "--every-polygon",
+                      absl::StrCat("found more than ", limits.max_receivers,
+                                   " planar surfaces, need fewer: ask for a larger --min-area"));
+  }
   if (!receivers.ok()) return receivers.status();
   if (receivers->empty()) {
     return absl::NotFoundError(absl::StrCat("--every-polygon: found no planar surface of ",
@@ -80,6 +88,17 @@ absl::Status PlanSurfaces(const ImportedScene& imported, const ShadowRequest& re
   for (const Receiver& receiver : *receivers) plan.receiver_ids.push_back(receiver.id);
   plan.delta.receive_on_planar_surfaces = std::move(every);
   return absl::OkStatus();
+}
+
+// As the scene would find it, but by the option.
+absl::Status CheckFlat(const Instance& instance) {
+  const absl::Status status = BoundingParallelogram(instance).status();
+  if (status.ok()) return status;
+  std::string_view found(status.message().data(), status.message().size());
+  if (const size_t field = ErrorFieldPath(status).size(); field > 0) {
+    found.remove_prefix(field + std::string_view(": ").size());
+  }
+  return FieldError(status.code(), ErrorReason(status), "--receiver-instance", found);
 }
 
 absl::Status PlanReceivers(const ImportedScene& imported, const ShadowRequest& request,
@@ -96,9 +115,11 @@ absl::Status PlanReceivers(const ImportedScene& imported, const ShadowRequest& r
   if (request.floor) add("floor", FloorUnder(Bounds(imported)), false);
   for (const Parallelogram& patch : request.receivers) add("receiver", patch, true);
   for (const std::string& id : request.receiver_instances) {
-    if (!HasId(imported.instances, id)) {
+    const Instance* instance = FindById(imported.instances, id);
+    if (instance == nullptr) {
       return UnknownIdError("--receiver-instance", id, IdsOf(imported.instances));
     }
+    if (absl::Status status = CheckFlat(*instance); !status.ok()) return status;
     add(id, PlanarInstance{id}, true);
   }
   for (const Receiver& receiver : used) plan.receiver_ids.push_back(receiver.id);

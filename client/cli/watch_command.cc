@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -36,9 +37,9 @@ class UpdatePrinter {
     return !ended_.ok() || (command_.max_updates > 0 && count_ >= command_.max_updates) ||
            (command_.until_final && final_.size() >= shadow_count_);
   }
-  bool IsLate(const ArtifactHeader* header, double latency_ms) const;
+  bool IsLate(const ArtifactSpec& spec, const ArtifactUpdate& update, double latency_ms);
   std::string Line(const ArtifactSpec& spec, const ArtifactUpdate& update,
-                   const UpdateTraffic& traffic, double latency_ms) const;
+                   const UpdateTraffic& traffic, double latency_ms);
 
   const WatchCommand& command_;
   const size_t shadow_count_;
@@ -47,20 +48,27 @@ class UpdatePrinter {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   uint64_t count_ = 0;
-  std::set<std::string> final_;  // keys of the shadows that were final once
+  std::set<std::string> final_;             // keys of the shadows that were final once
+  std::map<std::string, Revision> newest_;  // computed, of each shadow, by key
   absl::Status ended_;
 };
 
-// The time budget is for the first pass.
-bool UpdatePrinter::IsLate(const ArtifactHeader* header, double latency_ms) const {
-  return command_.time_budget_ms > 0 && header != nullptr && header->pass == 0 &&
-         latency_ms > command_.time_budget_ms;
+// The time budget is for what comes first of a revision, whichever pass that is.
+bool UpdatePrinter::IsLate(const ArtifactSpec& spec, const ArtifactUpdate& update,
+                           double latency_ms) {
+  if (update.artifact == nullptr) return false;
+  const Revision computed = update.artifact->header.revision;
+  const auto [newest, is_first] = newest_.try_emplace(SpecKey(spec), computed);
+  const bool comes_first = is_first || newest->second != computed;
+  newest->second = computed;
+  return comes_first && command_.time_budget_ms > 0 && latency_ms > command_.time_budget_ms;
 }
 
 std::string UpdatePrinter::Line(const ArtifactSpec& spec, const ArtifactUpdate& update,
-                                const UpdateTraffic& traffic, double latency_ms) const {
+                                const UpdateTraffic& traffic, double latency_ms) {
   const double at_s = 1e-3 * (traffic.received_ms - start_ms_);
   const ArtifactHeader* header = update.artifact ? &update.artifact->header : nullptr;
+  const bool is_late = IsLate(spec, update, latency_ms);
   if (command_.json) {
     Json json = {{"at_s", at_s},
                  {"revision", update.revision},
@@ -75,7 +83,7 @@ std::string UpdatePrinter::Line(const ArtifactSpec& spec, const ArtifactUpdate& 
       json["computed_revision"] = header->revision;
       json["samples"] = header->light_samples.size();
       json["timings_ms"] = header->timings_ms;
-      if (command_.time_budget_ms > 0) json["is_late"] = IsLate(header, latency_ms);
+      if (command_.time_budget_ms > 0) json["is_late"] = is_late;
     } else {
       json["error"] = std::string(update.status.message());
     }
@@ -89,7 +97,7 @@ std::string UpdatePrinter::Line(const ArtifactSpec& spec, const ArtifactUpdate& 
   return absl::StrFormat("%8.3f s  revision %d  %s.%s  %s, %d bytes, latency %.2f ms", at_s,
                          update.revision, spec.receiver_id, spec.light_id, what, traffic.bytes,
                          latency_ms) +
-         (IsLate(header, latency_ms) ? ", later than asked for" : "");
+         (is_late ? ", later than asked for" : "");
 }
 
 void UpdatePrinter::Print(const ArtifactSpec& spec, const ArtifactUpdate& update,
@@ -112,11 +120,27 @@ absl::Status UpdatePrinter::Wait(std::stop_token stop) {
   const auto is_enough = [this] { return IsEnough(); };
   if (command_.max_seconds > 0.0) {
     const std::chrono::duration<double> longest(std::min(command_.max_seconds, 1e8));
-    changed_.wait_for(lock, stop, longest, is_enough);
+    const bool was_enough = changed_.wait_for(lock, stop, longest, is_enough);
+    if (!was_enough && command_.until_final && !stop.stop_requested()) {
+      return absl::DeadlineExceededError(
+          absl::StrFormat("found %d of %d shadows with all their samples after %g s, need all",
+                          final_.size(), shadow_count_, command_.max_seconds));
+    }
   } else {
     changed_.wait(lock, stop, is_enough);
   }
   return ended_;
+}
+
+// Of a scene that the server may not have: the error then names those that it has.
+absl::StatusOr<std::shared_ptr<const Scene>> SceneOf(Engine& engine, const std::string& scene_id) {
+  auto scene = engine.Snapshot(scene_id);
+  if (!absl::IsNotFound(scene.status())) return scene;
+  const auto present = engine.ListScenes();
+  if (!present.ok()) return present.status();
+  std::vector<std::string> ids;
+  for (const SceneInfo& info : *present) ids.push_back(info.id);
+  return UnknownIdError("--scene", scene_id, ids, "the server");
 }
 
 template <typename T>
@@ -146,16 +170,17 @@ absl::StatusOr<std::vector<std::string>> Chosen(std::string_view option,
 absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
   const auto engine = RemoteEngine::Connect({.address = command.engine.server});
   if (!engine.ok()) return engine.status();
-  const auto scene = (*engine)->Snapshot(command.scene_id);
+  const auto scene = SceneOf(**engine, command.scene_id);
   if (!scene.ok()) return scene.status();
   const auto lights = Chosen("--light", command.light_ids, (*scene)->lights());
   if (!lights.ok()) return lights.status();
   const auto receivers = Chosen("--receiver", command.receiver_ids, (*scene)->receivers());
   if (!receivers.ok()) return receivers.status();
   if (lights->empty() || receivers->empty()) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("scene ", command.scene_id, ": found ", lights->size(), " lights and ",
-                     receivers->size(), " receivers, need one of each"));
+    return absl::FailedPreconditionError(absl::StrCat(
+        "scene ", command.scene_id, ": found ", lights->size(), " lights and ", receivers->size(),
+        " receivers, need one of each (push with --floor, --receiver, --receiver-instance or "
+        "--every-polygon makes receivers)"));
   }
 
   if (command.camera) {

@@ -104,6 +104,8 @@ absl::Status WriteExr(const std::filesystem::path& path, int width, int height,
     spec.channelformats.emplace_back(plane.half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
   }
   spec.attribute("compression", "zip");
+  // OpenImageIO would write the time: the same texels are to be the same bytes.
+  spec.attribute("DateTime", "1970:01:01 00:00:00");
   spec.attribute("oiio:ColorSpace", "Linear");
   const size_t texels = planes[0].values.size();
   std::vector<float> interleaved(texels * planes.size());

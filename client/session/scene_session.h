@@ -74,7 +74,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
 
   bool ReadOne();
   void Hear(Revision revision);
-  double HeardMs(Revision revision) const;
+  std::optional<double> HeardMs(Revision revision) const;
   void Receive(v1::CommitResult& result);
   void Receive(const v1::SubscribeResult& result);
   void Receive(const v1::SubscribeEachResult& result);

@@ -59,13 +59,16 @@ bool SceneSession::ReadOne() {
 }
 
 void SceneSession::Hear(Revision revision) {
-  heard_ms_.try_emplace(revision, NowMs());
+  if (HeardMs(revision)) return;
+  heard_ms_[revision] = NowMs();
   if (heard_ms_.size() > kHeardRevisions) heard_ms_.erase(heard_ms_.begin());
 }
 
-double SceneSession::HeardMs(Revision revision) const {
-  const auto found = heard_ms_.find(revision);
-  return found == heard_ms_.end() ? 0.0 : found->second;
+// Whoever has heard of a later revision knows that this one was.
+std::optional<double> SceneSession::HeardMs(Revision revision) const {
+  const auto found = heard_ms_.lower_bound(revision);
+  if (found == heard_ms_.end()) return std::nullopt;
+  return found->second;
 }
 
 void SceneSession::Receive(v1::CommitResult& result) {
@@ -156,8 +159,10 @@ void SceneSession::Receive(const v1::ArtifactUpdate& update) {
   const auto subscriber = FindSubscriber(update.subscription_id());
   // Updates may be under way when a subscription ends.
   if (subscriber == nullptr) return;
-  const auto is_due =
-      subscriber->Receive(update, NowMs(), [this](Revision revision) { return HeardMs(revision); });
+  // The mirror skips revisions, and may be behind. Only an update's first message names one.
+  if (update.revision() > 0) Hear(update.revision());
+  const auto is_due = subscriber->Receive(
+      update, NowMs(), [this](Revision revision) { return HeardMs(revision).value_or(0.0); });
   if (!is_due.ok()) {
     End(is_due.status());
   } else if (*is_due) {

@@ -163,13 +163,10 @@ TEST_F(BakeTest, AServerGivesTheSameBits) {
     const auto file = [&](const char* folder, const char* extension) {
       return folder_ / folder / (std::string(name) + extension);
     };
-    const auto local = ReadImage(file("local", ".exr"));
-    const auto remote = ReadImage(file("remote", ".exr"));
-    ASSERT_TRUE(local.ok() && remote.ok());
-    for (const char* channel : {"count", "R", "G", "B"}) {
-      EXPECT_EQ(local->values.at(channel), remote->values.at(channel)) << channel;
-    }
     EXPECT_EQ(ReadText(file("local", ".png")), ReadText(file("remote", ".png")));
+    const std::string exr = ReadText(file("local", ".exr"));
+    EXPECT_TRUE(exr == ReadText(file("remote", ".exr"))) << "the bytes differ";
+    EXPECT_NE(exr.find("1970:01:01"), std::string::npos) << "the bytes depend on the time";
     Json a = ReadJson(file("local", ".json"));
     Json b = ReadJson(file("remote", ".json"));
     a.erase("timings_ms");

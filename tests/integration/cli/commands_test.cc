@@ -156,10 +156,20 @@ TEST_F(CommandsTest, WatchStopsWhenAllIsFinal) {
   const std::vector<Json> lines = JsonLines(all.out);
   ASSERT_GE(lines.size(), 1u);
   EXPECT_EQ(lines.back()["samples"], 101);
-  if (lines.size() > 1) {
-    EXPECT_EQ(lines[0]["samples"], 9);
+  for (size_t i = 0; i < lines.size(); ++i) {
+    EXPECT_EQ(lines[i]["samples"], i + 1 < lines.size() ? 9 : 101);
+    EXPECT_EQ(lines[i]["is_late"], i == 0) << "of what comes first, and nothing is so quick";
   }
-  EXPECT_EQ(lines[0]["is_late"], lines.size() > 1) << "of a first pass, and nothing is so quick";
+}
+
+TEST_F(CommandsTest, AWatchThatSeesNoEndInTimeSaysSo) {
+  const std::string address = StartServer();
+  ASSERT_EQ(Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5")).exit_status, 0);
+  const std::vector<std::string> watch = {"watch",  "--server",      address,     "--scene",
+                                          "studio", "--until-final", "--seconds", "1e-6"};
+  const Finished watched = Run(watch);
+  EXPECT_EQ(watched.exit_status, 1);
+  EXPECT_THAT(watched.err, HasSubstr("found 0 of 1 shadows with all their samples after 1e-06 s"));
 }
 
 TEST_F(CommandsTest, PushSaysThatNothingReceives) {

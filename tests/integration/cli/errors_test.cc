@@ -86,12 +86,13 @@ TEST_F(ErrorsTest, ServersThatAreNotThere) {
   ExpectError({"push", scene_, "--server", address, "--scene", "s"}, "no server answers");
   ExpectError({"watch", "--server", address, "--scene", "s"}, "no server answers");
   ExpectError({"info", "--server", address}, "no server answers");
-  ExpectError({"techniques", "--server", "no host"}, "no host");
+  ExpectError({"techniques", "--server", "no host:1"}, "no host:1");
 }
 
 TEST_F(ErrorsTest, ScenesThatAServerDoesNotHave) {
   const std::string address = StartServer();
-  ExpectError({"watch", "--server", address, "--scene", "nowhere"}, "nowhere");
+  ExpectError({"watch", "--server", address, "--scene", "nowhere"},
+              "--scene: found \"nowhere\", but the server has none");
   ExpectError(Bake({"--server", address, "--samples", "0"}), "samples: found 0");
   ASSERT_EQ(Run({"push", scene_, "--server", address, "--scene", "studio", "--floor"}).exit_status,
             0);
@@ -99,6 +100,8 @@ TEST_F(ErrorsTest, ScenesThatAServerDoesNotHave) {
     ExpectError({"watch", "--server", address, "--scene", "studio", option, "moon"},
                 std::string(option) + ": found \"moon\", need one of: ");
   }
+  ExpectError({"watch", "--server", address, "--scene", "nowhere"},
+              "--scene: found \"nowhere\", need one of: studio");
   EXPECT_THAT(Run({"info", "--server", address}).out, HasSubstr("statistics.open_sessions  0"));
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <future>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/session/steady_clock.h"
 #include "render/scene/field_error.h"
 #include "tests/integration/session/remote_engine_fixture.h"
 
@@ -182,6 +184,40 @@ TEST_F(RemoteEngineTest, UpdatesAreMeasuredOnTheWire) {
   EXPECT_GT(traffic.bytes, 100u);
   EXPECT_LT(traffic.bytes, 96u * 96 * 2 + 4000) << "more than the texels take raw";
   EXPECT_GE(traffic.received_ms, traffic.since_ms);
+}
+
+// Of revisions that the mirror skips as well.
+TEST_F(RemoteEngineTest, UpdatesAreTimedFromWhenTheirRevisionIsHeardOf) {
+  const auto alice = Connect();
+  const auto bob = Connect();
+  ASSERT_EQ(alice->CreateScene("studio"), absl::OkStatus());
+  ASSERT_TRUE(alice->Commit("studio", Studio()).ok());
+  std::mutex mutex;
+  std::vector<UpdateTraffic> of_edits;
+  std::atomic<Revision> newest = 0;
+  const auto subscription = bob->SubscribeMeasured(
+      "studio", FloorSpec(), [&](const ArtifactUpdate& update, const UpdateTraffic& traffic) {
+        std::lock_guard lock(mutex);
+        if (update.revision > 1) of_edits.push_back(traffic);
+        newest = update.revision;
+      });
+  ASSERT_TRUE(subscription.ok());
+  ASSERT_TRUE(ComputeOnce(*bob, "studio", FloorSpec()).ok());
+  const double start_ms = NowMs();
+  Revision last = 0;
+  for (int i = 0; i < 200; ++i) {
+    last = alice->Commit("studio", Studio(Vec3(0.001f * i, 0.5f, 0))).value();
+  }
+  for (const auto end = std::chrono::steady_clock::now() + kPatience;
+       newest < last && std::chrono::steady_clock::now() < end;) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  std::lock_guard lock(mutex);
+  EXPECT_FALSE(of_edits.empty());
+  for (const UpdateTraffic& traffic : of_edits) {
+    EXPECT_GE(traffic.since_ms, start_ms);
+    EXPECT_GE(traffic.received_ms, traffic.since_ms);
+  }
 }
 
 }  // namespace

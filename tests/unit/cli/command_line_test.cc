@@ -170,7 +170,8 @@ TEST(CommandLineTest, HelpNamesEveryCommandAndEveryOption) {
 
 TEST(CommandLineTest, WhatMakesNoSenseIsOneLineThatNamesIt) {
   EXPECT_THAT(ErrorOf({}), HasSubstr("subcommand"));
-  EXPECT_THAT(ErrorOf({"cook"}), HasSubstr("--help"));
+  EXPECT_THAT(ErrorOf({"cook"}), AllOf(HasSubstr("found \"cook\""), HasSubstr("bake, view")));
+  EXPECT_THAT(ErrorOf({"cook", "--help"}), HasSubstr("found \"cook\""));
   EXPECT_THAT(ErrorOf({"bake"}), HasSubstr("SCENE"));
   EXPECT_THAT(ErrorOf({"bake", "a.obj"}), HasSubstr("--out"));
   EXPECT_THAT(ErrorOf({"bake", "a.obj", "--out", "d", "--frobnicate"}), HasSubstr("--frobnicate"));
@@ -194,6 +195,11 @@ TEST(CommandLineTest, WhatMakesNoSenseIsOneLineThatNamesIt) {
   EXPECT_THAT(ErrorOf({"view", "a.obj", "--out", "v.png", "--camera", "0 0 1 0 0 0 180"}),
               HasSubstr("field of view"));
   EXPECT_THAT(ErrorOf({"push", "a.obj", "--scene", "s"}), HasSubstr("--server"));
+  for (const char* address : {"", "localhost", "127.0.0.1", "127.0.0.1:", "[::1]"}) {
+    EXPECT_THAT(ErrorOf({"info", "--server", address}), HasSubstr("need HOST:PORT")) << address;
+  }
+  EXPECT_THAT(ErrorOf({"bake", "a.obj", "--out", "d", "--threads", "1025"}),
+              HasSubstr("--threads"));
 }
 
 TEST(TieNumbersToOptionsTest, TiesOnlyNumbersThatFollow) {

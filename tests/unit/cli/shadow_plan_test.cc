@@ -108,6 +108,13 @@ TEST(PlanShadowsTest, UnknownIdsAreToldWithThoseThereAre) {
   EXPECT_THAT(std::string(instance.status().message()), HasSubstr("box, small, large"));
 }
 
+TEST(PlanShadowsTest, InstancesThatAreNotFlatReceiveNothing) {
+  const auto plan = PlanShadows(Room(), {.receiver_instances = {"box"}});
+  EXPECT_EQ(plan.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(plan.status().message()),
+              ::testing::StartsWith("--receiver-instance: found box, which "));
+}
+
 TEST(LargestPlanarInstancesTest, FlatOnesByArea) {
   EXPECT_THAT(LargestPlanarInstances(Room(), 5), ElementsAre("large", "small"));
   EXPECT_THAT(LargestPlanarInstances(Room(), 1), ElementsAre("large"));
