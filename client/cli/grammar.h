@@ -39,8 +39,8 @@ class Grammar {
   void AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_metre,
                    CLI::Option* only_with = nullptr);
   void AddThreads(CLI::App* app, EngineChoice& engine);
-  std::vector<std::string> CommandNames() const;
   void AddSceneId(CLI::App* app, std::string& scene_id, const char* help);
+  std::vector<std::string> CommandNames() const;
 
   // An option of one text, read by `read`; the second may be given several times.
   using Read = std::function<absl::Status(const std::string&)>;

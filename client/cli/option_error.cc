@@ -41,6 +41,13 @@ absl::Status UnknownIdError(std::string_view option, std::string_view id,
   return absl::NotFoundError(status.message());
 }
 
+absl::Status OfOption(std::string_view option, const absl::Status& error) {
+  std::string_view found(error.message().data(), error.message().size());
+  const std::string field = ErrorFieldPath(error) + ": ";
+  if (found.starts_with(field)) found.remove_prefix(field.size());
+  return FieldError(error.code(), ErrorReason(error), option, found);
+}
+
 std::string OneLine(std::string_view text) {
   std::string line(text);
   for (char& c : line) {

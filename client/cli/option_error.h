@@ -26,6 +26,9 @@ absl::Status OptionError(std::string_view option, std::string_view reason, Found
 absl::Status UnknownIdError(std::string_view option, std::string_view id,
                             std::vector<std::string> known, std::string_view where = "the scene");
 
+// An error of a field, as one of the option that the field's value came from.
+absl::Status OfOption(std::string_view option, const absl::Status& error);
+
 // `text` on one line: control characters become blanks.
 std::string OneLine(std::string_view text);
 

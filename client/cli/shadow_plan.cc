@@ -90,17 +90,6 @@ absl::Status PlanSurfaces(const ImportedScene& imported, const ShadowRequest& re
   return absl::OkStatus();
 }
 
-// As the scene would find it, but by the option.
-absl::Status CheckFlat(const Instance& instance) {
-  const absl::Status status = BoundingParallelogram(instance).status();
-  if (status.ok()) return status;
-  std::string_view found(status.message().data(), status.message().size());
-  if (const size_t field = ErrorFieldPath(status).size(); field > 0) {
-    found.remove_prefix(field + std::string_view(": ").size());
-  }
-  return FieldError(status.code(), ErrorReason(status), "--receiver-instance", found);
-}
-
 absl::Status PlanReceivers(const ImportedScene& imported, const ShadowRequest& request,
                            ShadowPlan& plan) {
   std::vector<Receiver>& used = plan.delta.upsert_receivers;
@@ -119,7 +108,9 @@ absl::Status PlanReceivers(const ImportedScene& imported, const ShadowRequest& r
     if (instance == nullptr) {
       return UnknownIdError("--receiver-instance", id, IdsOf(imported.instances));
     }
-    if (absl::Status status = CheckFlat(*instance); !status.ok()) return status;
+    if (const auto patch = BoundingParallelogram(*instance); !patch.ok()) {
+      return OfOption("--receiver-instance", patch.status());
+    }
     add(id, PlanarInstance{id}, true);
   }
   for (const Receiver& receiver : used) plan.receiver_ids.push_back(receiver.id);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -37,9 +38,9 @@ class UpdatePrinter {
     return !ended_.ok() || (command_.max_updates > 0 && count_ >= command_.max_updates) ||
            (command_.until_final && final_.size() >= shadow_count_);
   }
-  bool IsLate(const ArtifactSpec& spec, const ArtifactUpdate& update, double latency_ms);
+  bool TakeFirst(const std::string& shadow, const Artifact& artifact);
   std::string Line(const ArtifactSpec& spec, const ArtifactUpdate& update,
-                   const UpdateTraffic& traffic, double latency_ms);
+                   const UpdateTraffic& traffic, bool comes_first) const;
 
   const WatchCommand& command_;
   const size_t shadow_count_;
@@ -53,22 +54,21 @@ class UpdatePrinter {
   absl::Status ended_;
 };
 
-// The time budget is for what comes first of a revision, whichever pass that is.
-bool UpdatePrinter::IsLate(const ArtifactSpec& spec, const ArtifactUpdate& update,
-                           double latency_ms) {
-  if (update.artifact == nullptr) return false;
-  const Revision computed = update.artifact->header.revision;
-  const auto [newest, is_first] = newest_.try_emplace(SpecKey(spec), computed);
-  const bool comes_first = is_first || newest->second != computed;
-  newest->second = computed;
-  return comes_first && command_.time_budget_ms > 0 && latency_ms > command_.time_budget_ms;
+// Whether it is the first of a revision that is heard of the shadow, whichever pass that is.
+bool UpdatePrinter::TakeFirst(const std::string& shadow, const Artifact& artifact) {
+  const Revision computed = artifact.header.revision;
+  const auto [newest, is_new] = newest_.try_emplace(shadow, computed);
+  return is_new || std::exchange(newest->second, computed) != computed;
 }
 
+// A time budget is for what comes first.
 std::string UpdatePrinter::Line(const ArtifactSpec& spec, const ArtifactUpdate& update,
-                                const UpdateTraffic& traffic, double latency_ms) {
+                                const UpdateTraffic& traffic, bool comes_first) const {
+  const double latency_ms = traffic.received_ms - traffic.since_ms;
+  const bool has_budget = command_.time_budget_ms > 0;
+  const bool is_late = comes_first && has_budget && latency_ms > command_.time_budget_ms;
   const double at_s = 1e-3 * (traffic.received_ms - start_ms_);
   const ArtifactHeader* header = update.artifact ? &update.artifact->header : nullptr;
-  const bool is_late = IsLate(spec, update, latency_ms);
   if (command_.json) {
     Json json = {{"at_s", at_s},
                  {"revision", update.revision},
@@ -83,7 +83,7 @@ std::string UpdatePrinter::Line(const ArtifactSpec& spec, const ArtifactUpdate& 
       json["computed_revision"] = header->revision;
       json["samples"] = header->light_samples.size();
       json["timings_ms"] = header->timings_ms;
-      if (command_.time_budget_ms > 0) json["is_late"] = is_late;
+      if (has_budget) json["is_late"] = is_late;
     } else {
       json["error"] = std::string(update.status.message());
     }
@@ -108,10 +108,11 @@ void UpdatePrinter::Print(const ArtifactSpec& spec, const ArtifactUpdate& update
     changed_.notify_all();
     return;
   }
-  const double latency_ms = traffic.received_ms - traffic.since_ms;
-  console_.out << Line(spec, update, traffic, latency_ms) << std::endl;
+  const std::string shadow = SpecKey(spec);
+  const bool comes_first = update.artifact && TakeFirst(shadow, *update.artifact);
+  console_.out << Line(spec, update, traffic, comes_first) << std::endl;
   ++count_;
-  if (update.artifact && update.artifact->header.is_final) final_.insert(SpecKey(spec));
+  if (update.artifact && update.artifact->header.is_final) final_.insert(shadow);
   changed_.notify_all();
 }
 

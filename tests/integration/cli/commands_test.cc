@@ -162,6 +162,26 @@ TEST_F(CommandsTest, WatchStopsWhenAllIsFinal) {
   }
 }
 
+TEST_F(CommandsTest, WhatComesFirstOfEachRevisionIsLateIfAnything) {
+  const std::string address = StartServer();
+  ASSERT_EQ(Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5")).exit_status, 0);
+  const pid_t watch = Start({"watch", "--server", address, "--scene", "studio", "--seconds", "30",
+                             "--time-budget", "1e-6", "--json"},
+                            "watch");
+  ASSERT_TRUE(WaitForOutput("watch", "\"is_final\":true"));
+  ASSERT_EQ(Run(PushWords(address, "-1 7 -1 2 0 0 0 0 2 5")).exit_status, 0);
+  ASSERT_TRUE(WaitForOutput("watch", "\"computed_revision\":2"));
+  auto engine = RemoteEngine::Connect({.address = address}).value();
+  ASSERT_EQ(engine->DeleteScene("studio"), absl::OkStatus());
+  std::set<int> revisions;
+  for (const Json& line : JsonLines(Wait(watch, "watch").out)) {
+    if (!line.contains("is_late")) continue;  // the deletion
+    const bool comes_first = revisions.insert(line["computed_revision"].get<int>()).second;
+    EXPECT_EQ(line["is_late"], comes_first) << line;
+  }
+  EXPECT_EQ(revisions, (std::set<int>{1, 2}));
+}
+
 TEST_F(CommandsTest, AWatchThatSeesNoEndInTimeSaysSo) {
   const std::string address = StartServer();
   ASSERT_EQ(Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5")).exit_status, 0);
