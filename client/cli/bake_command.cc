@@ -19,38 +19,47 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// RECEIVER, or RECEIVER.LIGHT where there are several lights; never one of `taken`.
-std::string NameOf(const ArtifactSpec& spec, bool has_several_lights,
-                   std::set<std::string>& taken) {
-  const std::string wanted =
-      has_several_lights ? absl::StrCat(spec.receiver_id, ".", spec.light_id) : spec.receiver_id;
+// `wanted`, or with a number where that is one of `taken`.
+std::string UniqueName(const std::string& wanted, std::set<std::string>& taken) {
   std::string name = wanted;
-  for (int number = 2; !taken.insert(name).second; ++number)
+  for (int number = 2; !taken.insert(name).second; ++number) {
     name = absl::StrCat(wanted, "-", number);
+  }
   return name;
 }
 
 // Of the texels on the receiver.
-size_t InsideCount(const SoftShadowTexture& texture) {
-  return texture.coverage ? texture.coverage->CountInside() : texture.visibility.counts.size();
+size_t InsideCount(const ShadowTexels& texels) {
+  return texels.coverage ? texels.coverage->CountInside() : texels.visibility.counts.size();
 }
 
-double VisiblePercent(const SoftShadowTexture& texture) {
-  const VisibilityMap& map = texture.visibility;
+double VisiblePercent(const ShadowTexels& texels) {
+  const VisibilityMap& map = texels.visibility;
   double sum = 0.0;
   for (size_t k = 0; k < map.counts.size(); ++k) {
-    if (!texture.coverage || texture.coverage->At(k)) sum += map.counts[k];
+    if (!texels.coverage || texels.coverage->At(k)) sum += map.counts[k];
   }
-  const double most = static_cast<double>(InsideCount(texture)) * map.sample_count;
+  const double most = static_cast<double>(InsideCount(texels)) * map.sample_count;
   return most > 0.0 ? 100.0 * sum / most : 100.0;
 }
 
+size_t LayerCount(const AttenuationLdi& ldi) {
+  size_t layers = 0;
+  for (const LdiFace& face : ldi.faces) layers += face.layer_count();
+  return layers;
+}
+
 std::string Describe(const BakeRecord& record) {
-  const auto& texture = std::get<SoftShadowTexture>(record.artifact.payload);
-  const VisibilityMap& map = texture.visibility;
+  if (const auto* ldi = std::get_if<AttenuationLdi>(&record.artifact.payload)) {
+    return absl::StrFormat("%s: %d layers on %d face%s, %d light samples, %.1f ms", record.name,
+                           LayerCount(*ldi), ldi->faces.size(), ldi->faces.size() == 1 ? "" : "s",
+                           ldi->sample_count, record.wall_ms);
+  }
+  const ShadowTexels& texels = *TexelsOf(record.artifact.payload);
+  const VisibilityMap& map = texels.visibility;
   return absl::StrFormat("%s: %dx%d texels, %d light samples, %.1f %% visible, %.1f ms",
                          record.name, map.width, map.height, map.sample_count,
-                         VisiblePercent(texture), record.wall_ms);
+                         VisiblePercent(texels), record.wall_ms);
 }
 
 Json ToJson(const BakeRecord& record, const BakeCommand& command,
@@ -58,42 +67,43 @@ Json ToJson(const BakeRecord& record, const BakeCommand& command,
   Json paths = Json::array();
   for (const std::string& file : files) paths.push_back((command.out / file).string());
   const ArtifactHeader& header = record.artifact.header;
-  const auto& texture = std::get<SoftShadowTexture>(record.artifact.payload);
-  return {{"name", record.name},
-          {"receiver", header.receiver_id},
-          {"light", header.light_id},
-          {"width", texture.visibility.width},
-          {"height", texture.visibility.height},
-          {"inside_texels", InsideCount(texture)},
-          {"visible_percent", VisiblePercent(texture)},
-          {"files", std::move(paths)},
-          {"wall_ms", record.wall_ms}};
+  Json json = {{"name", record.name}};
+  if (!header.receiver_id.empty()) json["receiver"] = header.receiver_id;
+  json["light"] = header.light_id;
+  if (const ShadowTexels* texels = TexelsOf(record.artifact.payload)) {
+    json["width"] = texels->visibility.width;
+    json["height"] = texels->visibility.height;
+    json["inside_texels"] = InsideCount(*texels);
+    json["visible_percent"] = VisiblePercent(*texels);
+  } else {
+    json["layers"] = LayerCount(std::get<AttenuationLdi>(record.artifact.payload));
+  }
+  json["files"] = std::move(paths);
+  json["wall_ms"] = record.wall_ms;
+  return json;
 }
 
-// Computes and writes each light's shadow on each receiver.
+// Computes and writes each shadow of the plan.
 absl::StatusOr<Json> BakeAll(const BakeCommand& command, const ShadowPlan& plan, Engine& engine,
                              const std::string& scene_id, const Console& console,
                              std::stop_token stop) {
   Json baked = Json::array();
   std::set<std::string> taken;
   ProgressLine progress(console);
-  for (const std::string& receiver_id : plan.receiver_ids) {
-    for (const std::string& light_id : plan.light_ids) {
-      const ArtifactSpec spec{command.request.params, light_id, receiver_id};
-      const std::string name = NameOf(spec, plan.light_ids.size() > 1, taken);
-      const double start_ms = NowMs();
-      const auto artifact = ComputeShadow(engine, scene_id, spec, name, progress, stop);
-      if (!artifact.ok()) return artifact.status();
-      const BakeRecord record{.artifact = **artifact,
-                              .scene = command.request.scene.string(),
-                              .name = name,
-                              .exposure = command.exposure,
-                              .wall_ms = NowMs() - start_ms};
-      const auto files = WriteBake(record, command.out);
-      if (!files.ok()) return files.status();
-      progress.Finish(Describe(record));
-      baked.push_back(ToJson(record, command, *files));
-    }
+  for (const auto& [spec, wanted] : ShadowsOf(plan, command.request.params)) {
+    const std::string name = UniqueName(wanted, taken);
+    const double start_ms = NowMs();
+    const auto artifact = ComputeShadow(engine, scene_id, spec, name, progress, stop);
+    if (!artifact.ok()) return artifact.status();
+    const BakeRecord record{.artifact = **artifact,
+                            .scene = command.request.scene.string(),
+                            .name = name,
+                            .exposure = command.exposure,
+                            .wall_ms = NowMs() - start_ms};
+    const auto files = WriteBake(record, command.out);
+    if (!files.ok()) return files.status();
+    progress.Finish(Describe(record));
+    baked.push_back(ToJson(record, command, *files));
   }
   return baked;
 }
@@ -102,8 +112,9 @@ absl::StatusOr<Json> BakeAll(const BakeCommand& command, const ShadowPlan& plan,
 
 absl::Status Run(const BakeCommand& command, const Console& console, std::stop_token stop) {
   ShadowRequest request = command.request;
-  const bool names_none =
-      request.receivers.empty() && request.receiver_instances.empty() && !request.every_polygon;
+  const bool takes_receivers = InfoOf(request.params).target == SpecTarget::kReceiver;
+  const bool names_none = takes_receivers && request.receivers.empty() &&
+                          request.receiver_instances.empty() && !request.every_polygon;
   request.floor = request.floor || names_none;
   const auto imported = ImportScene(request.scene);
   if (!imported.ok()) return imported.status();
@@ -133,7 +144,7 @@ absl::Status Run(const BakeCommand& command, const Console& console, std::stop_t
   if (command.json) {
     console.out << Json{{"revision", *revision}, {"baked", *baked}}.dump(2) << '\n';
   } else {
-    console.out << "wrote " << baked->size() << (baked->size() == 1 ? " texture" : " textures")
+    console.out << "wrote " << baked->size() << (baked->size() == 1 ? " shadow" : " shadows")
                 << " to " << command.out.string() << '\n';
   }
   return absl::OkStatus();

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/cli/output_files.h"
+#include "client/display/deep_exr.h"
 #include "client/display/image_io.h"
 #include "client/display/tone.h"
 
@@ -16,8 +17,8 @@ struct BakePlanes {
   std::vector<float> red, green, blue, count, inside;
 };
 
-BakePlanes PlanesOf(const RadianceTexture& radiance, const SoftShadowTexture& texture) {
-  const VisibilityMap& map = texture.visibility;
+BakePlanes PlanesOf(const RadianceTexture& radiance, const ShadowTexels& texels) {
+  const VisibilityMap& map = texels.visibility;
   BakePlanes planes;
   for (const Vec3 texel : radiance.texels) {
     planes.red.push_back(texel.x);
@@ -26,8 +27,8 @@ BakePlanes PlanesOf(const RadianceTexture& radiance, const SoftShadowTexture& te
   }
   planes.count.assign(map.counts.begin(), map.counts.end());
   planes.inside.assign(map.counts.size(), 1.0f);
-  for (size_t k = 0; texture.coverage && k < planes.inside.size(); ++k) {
-    if (!texture.coverage->At(k)) planes.inside[k] = 0.0f;
+  for (size_t k = 0; texels.coverage && k < planes.inside.size(); ++k) {
+    if (!texels.coverage->At(k)) planes.inside[k] = 0.0f;
   }
   return planes;
 }
@@ -52,31 +53,79 @@ std::vector<uint8_t> ToSrgb(const RadianceTexture& radiance, float exposure) {
   return pixels;
 }
 
-}  // namespace
+// The fraction of the light that is visible, as a grey picture.
+RadianceTexture VisibleShare(const VisibilityMap& map) {
+  RadianceTexture share{.width = map.width, .height = map.height, .texels = {}};
+  const auto most = static_cast<float>(std::max(map.sample_count, 1u));
+  for (const uint16_t count : map.counts) share.texels.emplace_back(count / most);
+  return share;
+}
 
-absl::StatusOr<std::vector<std::string>> WriteBake(const BakeRecord& record,
-                                                   const std::filesystem::path& folder) {
-  const auto& texture = std::get<SoftShadowTexture>(record.artifact.payload);
-  const RadianceTexture radiance =
-      texture.radiance ? *texture.radiance : ReflectedRadiance(texture);
-  const float brightest = BrightestChannel(radiance);
-  const float exposure = record.exposure.value_or(brightest > 0.0f ? 1.0f / brightest : 1.0f);
-  const int width = static_cast<int>(texture.visibility.width);
-  const int height = static_cast<int>(texture.visibility.height);
-  const BakePlanes planes = PlanesOf(radiance, texture);
+RadianceTexture PictureOf(const SoftShadowTexture& texture) {
+  return texture.radiance ? *texture.radiance : ReflectedRadiance(texture);
+}
+RadianceTexture PictureOf(const ViewShadow& view) {
+  return view.radiance ? *view.radiance : VisibleShare(view.visibility);
+}
 
-  std::vector<std::string> files;
-  for (const char* extension : {".exr", ".png", ".json"}) files.push_back(record.name + extension);
-  const auto path = [&](size_t i) { return folder / files[i]; };
+// Each pixel's nearest layer, black where there is none; faces one below the other.
+RadianceTexture PictureOf(const AttenuationLdi& ldi) {
+  RadianceTexture picture;
+  for (const LdiFace& face : ldi.faces) {
+    picture.width = std::max(picture.width, face.view.width);
+    picture.height += face.view.height;
+  }
+  picture.texels.resize(size_t{picture.width} * picture.height);
+  size_t row = 0;
+  for (const LdiFace& face : ldi.faces) {
+    for (uint32_t y = 0; y < face.view.height; ++y, ++row) {
+      for (uint32_t x = 0; x < face.view.width; ++x) {
+        const size_t p = size_t{y} * face.view.width + x;
+        if (face.offsets[p] == face.offsets[p + 1]) continue;
+        const float seen = face.counts[face.offsets[p]];
+        picture.texels[row * picture.width + x] = Vec3(seen / ldi.sample_count);
+      }
+    }
+  }
+  return picture;
+}
+
+absl::Status WriteNumbers(const std::filesystem::path& path, const ShadowTexels& texels,
+                          const RadianceTexture& radiance) {
+  const BakePlanes planes = PlanesOf(radiance, texels);
   const bool half = radiance.format == RadianceFormat::kHalf;
   const NamedPlane channels[] = {{"R", planes.red, half},
                                  {"G", planes.green, half},
                                  {"B", planes.blue, half},
                                  {"count", planes.count},
                                  {"inside", planes.inside}};
-  absl::Status status = WriteExr(path(0), width, height, channels);
-  if (status.ok()) status = WritePng(path(1), width, height, ToSrgb(radiance, exposure));
-  if (status.ok()) status = WriteText(path(2), BakeJson(record, texture, exposure));
+  return WriteExr(path, static_cast<int>(radiance.width), static_cast<int>(radiance.height),
+                  channels);
+}
+absl::Status WriteNumbers(const std::filesystem::path& path, const AttenuationLdi& ldi,
+                          const RadianceTexture&) {
+  return WriteDeepExr(path, ldi);
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<std::string>> WriteBake(const BakeRecord& record,
+                                                   const std::filesystem::path& folder) {
+  std::vector<std::string> files;
+  for (const char* extension : {".exr", ".png", ".json"}) files.push_back(record.name + extension);
+  const auto path = [&](size_t i) { return folder / files[i]; };
+  const ArtifactPayload& payload = record.artifact.payload;
+  const RadianceTexture picture =
+      std::visit([](const auto& kind) { return PictureOf(kind); }, payload);
+  const float brightest = BrightestChannel(picture);
+  const float exposure = record.exposure.value_or(brightest > 0.0f ? 1.0f / brightest : 1.0f);
+  absl::Status status =
+      std::visit([&](const auto& kind) { return WriteNumbers(path(0), kind, picture); }, payload);
+  if (status.ok()) {
+    status = WritePng(path(1), static_cast<int>(picture.width), static_cast<int>(picture.height),
+                      ToSrgb(picture, exposure));
+  }
+  if (status.ok()) status = WriteText(path(2), BakeJson(record, exposure));
   if (!status.ok()) return status;
   return files;
 }

@@ -1,8 +1,14 @@
-// The three files that a bake writes for one light and one receiver.
+// The three files that a bake writes for one shadow.
 //
-//   NAME.exr   row 0 at v = 0; channels R, G, B (reflected radiance), count (visible light samples)
-//              and inside (1: the texel lies on the receiver, 0: it repeats one nearby, or is 0)
-//   NAME.png   the radiance times an exposure, clipped at 1, as sRGB
+//   NAME.exr   of a texture: row 0 at v = 0; channels R, G, B (reflected radiance), count (visible
+//              light samples) and inside (1: the texel lies on the receiver, 0: it repeats one
+//              nearby, or is 0)
+//              of points: the same, row 0 being a picture's top or a lightmap's v = 0; R, G, B are
+//              what a white surface would reflect, and inside is 1 where there is a surface
+//              of a layered attenuation map: a deep file (client/display/deep_exr.h)
+//   NAME.png   the radiance times an exposure, clipped at 1, as sRGB; where there is none, how much
+//              of the light is visible; of a layered attenuation map that of each pixel's nearest
+//              layer, of its faces one below the other
 //   NAME.json  all that is needed to compute the counts again by other means
 #pragma once
 
@@ -25,7 +31,7 @@ struct BakeRecord {
 };
 
 // The JSON's text. `exposure` is the one that the PNG was made with.
-std::string BakeJson(const BakeRecord& record, const SoftShadowTexture& texture, float exposure);
+std::string BakeJson(const BakeRecord& record, float exposure);
 
 // Writes the files into `folder` and returns their names.
 //

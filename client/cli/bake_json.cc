@@ -38,9 +38,71 @@ Json ReceiverToJson(const std::string& id, const ReceiverPatch& receiver) {
           {"reflectance", ToJson(receiver.reflectance)}};
 }
 
+Json ToJson(const PixelRect& rect) {
+  return {{"x", rect.x}, {"y", rect.y}, {"width", rect.width}, {"height", rect.height}};
+}
+
+Json ToJson(const PicturePixels& picture) {
+  return {{"camera",
+           {{"eye", ToJson(picture.camera.eye)},
+            {"target", ToJson(picture.camera.target)},
+            {"up", ToJson(picture.camera.up)},
+            {"fov_y_deg", picture.camera.fov_y_deg}}},
+          {"width", picture.width},
+          {"height", picture.height},
+          {"part", ToJson(picture.part())}};
+}
+
+Json ToJson(const LightmapTexels& lightmap) {
+  return {
+      {"instance", lightmap.instance_id}, {"width", lightmap.width}, {"height", lightmap.height}};
+}
+
+Json ToJson(const GivenPoints&) { return "as they were given"; }
+
+// How far apart a face's pixels are, and where it looks from.
+Json ToJson(const LdiFace& face) {
+  const LightView& view = face.view;
+  const DVec3 n = view.frame.axes.n, eye = view.frame.ToWorld(view.eye);
+  return {{"from_infinity", view.from_infinity},
+          {"eye", ToJson(Vec3(view.from_infinity ? view.frame.origin : eye))},
+          {"looks_along", ToJson(Vec3(n))},
+          {"width", view.width},
+          {"height", view.height},
+          {"layers", face.layer_count()}};
+}
+
+size_t InsideCount(const ShadowTexels& texels) {
+  return texels.coverage ? texels.coverage->CountInside() : texels.visibility.counts.size();
+}
+
+// What each kind of artifact adds.
+struct Particulars {
+  const ArtifactHeader& header;
+  Json& json;
+
+  void operator()(const SoftShadowTexture& texture) const {
+    json["receiver"] = ReceiverToJson(header.receiver_id, texture.receiver);
+    json["inside_texels"] = InsideCount(texture);
+    json["sample_count"] = texture.visibility.sample_count;
+  }
+  void operator()(const ViewShadow& view) const {
+    std::visit([&](const auto& points) { json["points"] = ToJson(points); }, view.points);
+    json["inside_texels"] = InsideCount(view);
+    json["sample_count"] = view.visibility.sample_count;
+    json["rays_traced"] = view.progress.rays_traced;
+  }
+  void operator()(const AttenuationLdi& ldi) const {
+    json["faces"] = Json::array();
+    for (const LdiFace& face : ldi.faces) json["faces"].push_back(ToJson(face));
+    json["sample_count"] = ldi.sample_count;
+    json["tolerance"] = ldi.tolerance;
+  }
+};
+
 }  // namespace
 
-std::string BakeJson(const BakeRecord& record, const SoftShadowTexture& texture, float exposure) {
+std::string BakeJson(const BakeRecord& record, float exposure) {
   const ArtifactHeader& header = record.artifact.header;
   Json samples = Json::array();
   for (const LightSample& sample : header.light_samples) samples.push_back(ToJson(sample));
@@ -48,22 +110,16 @@ std::string BakeJson(const BakeRecord& record, const SoftShadowTexture& texture,
   for (const auto& [stage, ms] : header.timings_ms) timings[stage] = ms;
   timings["wall"] = record.wall_ms;
 
-  const Json json = {
-      {"technique", header.technique},
-      {"parameters", ToJson(header.parameters)},
-      {"scene", record.scene},
-      {"scene_hash", header.scene_hash.hex()},
-      {"revision", header.revision},
-      {"receiver", ReceiverToJson(header.receiver_id, texture.receiver)},
-      {"light", LightToJson(texture.light)},
-      {"inside_texels",
-       texture.coverage ? texture.coverage->CountInside() : texture.visibility.counts.size()},
-      {"sample_count", texture.visibility.sample_count},
-      {"error_estimate", header.error_estimate},
-      {"light_samples", std::move(samples)},
-      {"timings_ms", std::move(timings)},
-      {"files", {{"exr", record.name + ".exr"}, {"png", record.name + ".png"}}},
-      {"png", {{"transfer", "sRGB"}, {"tone", "clipped at 1"}, {"exposure", exposure}}}};
+  Json json = {
+      {"technique", header.technique}, {"parameters", ToJson(header.parameters)},
+      {"scene", record.scene},         {"scene_hash", header.scene_hash.hex()},
+      {"revision", header.revision},   {"light", LightToJson(LightOf(record.artifact.payload))}};
+  std::visit(Particulars{header, json}, record.artifact.payload);
+  json["error_estimate"] = header.error_estimate;
+  json["light_samples"] = std::move(samples);
+  json["timings_ms"] = std::move(timings);
+  json["files"] = {{"exr", record.name + ".exr"}, {"png", record.name + ".png"}};
+  json["png"] = {{"transfer", "sRGB"}, {"tone", "clipped at 1"}, {"exposure", exposure}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -13,6 +13,7 @@
 #include "client/cli/light_option.h"
 #include "client/cli/option_error.h"
 #include "client/cli/option_values.h"
+#include "client/cli/parameter_option.h"
 #include "client/cli/shading_options.h"
 #include "client/cli/version.h"
 
@@ -54,7 +55,11 @@ void Grammar::AddScene(CLI::App* app, std::filesystem::path& scene) {
 void Grammar::AddTechnique(CLI::App* app, TechniqueParams& params) {
   AddTo(app, "--technique", "NAME", "How shadows are computed (default soft_texture)", params,
         ReadTechnique);
-  Add(app, "--samples", "N", "Samples on each light that has a size (default 64)",
+  AddRepeated(app, "--set", "NAME=VALUE",
+              "A parameter of the technique, as `techniques` lists them",
+              [&params](const std::string& text) { return SetParameter(params, text); });
+  Add(app, "--samples", "N",
+      "Samples on each light that has a size (default 64; coherent_raytrace 256)",
       [&params](const std::string& text) { return SetSamples(params, text); });
   Add(app, "--seed", "N", "Of the samples' jitter: the same seed gives the same bits (default 1)",
       [&params](const std::string& text) { return SetSeed(params, text); });
@@ -119,6 +124,27 @@ void Grammar::AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_
   density->needs(only_with);
 }
 
+void Grammar::AddPoints(CLI::App* app, PointRequest& points) {
+  app->add_option("--lightmap", points.lightmaps,
+                  "Of coherent_raytrace: an instance whose texture coordinates get --size texels")
+      ->allow_extra_args(false)
+      ->type_name("ID");
+  app->add_option("--points", points.file,
+                  "Of coherent_raytrace: points with normals, six numbers a line")
+      ->type_name("FILE");
+  Add(app, "--camera", "\"eye target [up] [fov_deg]\"",
+      "Of coherent_raytrace: where its picture is taken from (default: the file's camera, or all "
+      "in "
+      "sight)",
+      [&points](const std::string& text) { return SetCamera(text, points.camera); });
+  AddTo(app, "--picture", "WIDTHxHEIGHT", "Pixels of its picture (default 512x512)", points.picture,
+        ReadPixels);
+  AddTo(app, "--crop", "\"x y width height\"", "The part of the picture that is wanted, in pixels",
+        points.crop, ReadRect);
+  AddTo(app, "--first", "\"x y width height\"", "Where in the picture to begin", points.first,
+        ReadRect);
+}
+
 void Grammar::AddThreads(CLI::App* app, EngineChoice& engine) {
   app->add_option("--threads", engine.threads,
                   "Without a server: threads to compute on (default 0: one for each processor)")
@@ -146,6 +172,7 @@ void Grammar::AddBake() {
   bake_.request.adds_up_lights = true;
   AddRequest(app, bake_.request, "--size");
   AddTechnique(app, bake_.request.params);
+  AddPoints(app, bake_.request.points);
   AddEngine(app, bake_.engine);
   AddThreads(app, bake_.engine);
   app->add_option("--out", bake_.out, "Folder for NAME.exr, NAME.png and NAME.json")
@@ -174,6 +201,8 @@ void Grammar::AddView() {
   AddTo(app, "--size", "WIDTHxHEIGHT", "Pixels of the picture (default 960x640)", view_.size,
         ReadPixels);
   app->add_option("--out", view_.out, "The picture, .png or .exr")->type_name("FILE")->required();
+  app->add_flag("--final", view_.final,
+                "Then trace the final picture's shadows (coherent_raytrace) and show these");
   Add(app, "--ambient", "\"r g b\"",
       "Radiance that reaches every surface (default: a share of the light there is)",
       [this](const std::string& text) { return SetAmbient(text, view_.ambient); });

@@ -13,6 +13,7 @@
 #include "render/math/vec.h"
 #include "render/scene/area_light.h"
 #include "render/scene/camera.h"
+#include "render/scene/point_receiver.h"
 #include "render/scene/receiver.h"
 #include "render/technique/technique_params.h"
 
@@ -22,6 +23,16 @@ namespace penumbra {
 struct EngineChoice {
   std::string server;    // "host:port"; empty: in this process
   uint32_t threads = 0;  // of the engine in this process; 0: one a core
+};
+
+// Points to compute shadows at, for techniques that take them.
+struct PointRequest {
+  std::vector<std::string> lightmaps;  // instances, each with its own texels
+  std::filesystem::path file;          // of points with normals; empty: none
+  std::optional<Camera> camera;        // of a picture; absent: one is chosen if nothing is named
+  GridSize picture{512, 512};          // the whole picture's pixels
+  PixelRect crop;                      // of it; empty: all
+  PixelRect first;                     // where to begin; empty: in the middle
 };
 
 // A scene file, and which of its shadows are wanted.
@@ -39,6 +50,7 @@ struct ShadowRequest {
   bool every_polygon = false;
   double min_area_m2 = 0.0;
   float texels_per_metre = 0.0f;  // 0: the largest surface's longer edge gets 256 texels
+  PointRequest points;
   TechniqueParams params;
 };
 
@@ -57,6 +69,7 @@ struct ViewCommand {
   std::optional<Camera> camera;  // absent: the file's first one, or one that sees everything
   GridSize size{960, 640};
   std::filesystem::path out;
+  bool final = false;             // with the final picture's shadows in place of the textures'
   std::optional<Vec3> ambient;    // absent: a share of the light there is
   std::optional<float> exposure;  // absent: found from the picture
   bool culls_back_faces = false;
@@ -78,6 +91,7 @@ struct WatchCommand {
   TechniqueParams params;
   float time_budget_ms = 0;      // 0: none
   std::optional<Camera> camera;  // what is looked at; absent: nothing
+  GridSize picture{512, 512};    // pixels, of a technique that computes one
   uint64_t max_updates = 0;      // 0: until interrupted
   double max_seconds = 0.0;      // 0: until interrupted
   bool until_final = false;      // every shadow was final once

@@ -1,6 +1,7 @@
 #include "client/cli/compute_shadow.h"
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "render/engine/compute_once.h"
 
 namespace penumbra {
@@ -10,6 +11,14 @@ absl::StatusOr<std::shared_ptr<const Artifact>> ComputeShadow(
     ProgressLine& progress, std::stop_token stop) {
   progress.Show(label, 0.0);
   const auto show = [&](const Artifact& artifact) {
+    if (const auto* view = std::get_if<ViewShadow>(&artifact.payload)) {
+      const ShadingProgress& done = view->progress;
+      progress.Show(absl::StrFormat("%s: %.0f %%, %.1f million rays, %.1f s left", label,
+                                    100 * done.fraction_done, 1e-6 * done.rays_traced,
+                                    1e-3 * done.time_left_ms),
+                    done.fraction_done);
+      return;
+    }
     const ArtifactHeader& header = artifact.header;
     const double needed = header.samples_requested;
     const double counted = static_cast<double>(header.light_samples.size());

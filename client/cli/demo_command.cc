@@ -76,10 +76,8 @@ absl::Status Demonstration::Begin(const ShadowPlan& plan, const Camera& camera) 
   if (!revision.ok()) return revision.status();
   const double committed_ms = NowMs();
   std::vector<ArtifactSpec> specs;
-  for (const std::string& receiver : plan.receiver_ids) {
-    for (const std::string& light : plan.light_ids) {
-      specs.push_back({command_.params, light, receiver});
-    }
+  for (const PlannedShadow& shadow : ShadowsOf(plan, command_.params)) {
+    specs.push_back(shadow.spec);
   }
   if (absl::Status status = board_.Follow(engine_, scene_id_, specs); !status.ok()) return status;
   const auto received = board_.WaitFor(*revision, stop_);

@@ -30,6 +30,7 @@ class Grammar {
   void AddRequest(CLI::App* app, ShadowRequest& request, const char* size_name);
   void AddLights(CLI::App* app, ShadowRequest& request);
   void AddTechnique(CLI::App* app, TechniqueParams& params);
+  void AddPoints(CLI::App* app, PointRequest& points);
   void AddBake();
   void AddView();
   void AddPushAndWatch();

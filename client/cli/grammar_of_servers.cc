@@ -32,6 +32,9 @@ void Grammar::AddPushAndWatch() {
   Add(watch, "--camera", "\"eye target [up] [fov_deg]\"",
       "What is looked at: receivers that fill more of the picture come first",
       [this](const std::string& text) { return SetCamera(text, watch_.camera); });
+  AddTo(watch, "--picture", "WIDTHxHEIGHT",
+        "Pixels of the picture that coherent_raytrace computes for the camera (default 512x512)",
+        watch_.picture, ReadPixels);
   Add(watch, "--updates", "N", "Stop after N updates",
       [this](const std::string& text) { return SetUpdates(text, watch_.max_updates); });
   Add(watch, "--seconds", "S", "Stop after a time",

@@ -13,6 +13,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// As the protocol calls it.
+const char* TargetName(SpecTarget target) {
+  switch (target) {
+    case SpecTarget::kReceiver:
+      return "SPEC_TARGET_RECEIVER";
+    case SpecTarget::kScene:
+      return "SPEC_TARGET_SCENE";
+    case SpecTarget::kPoints:
+      return "SPEC_TARGET_POINTS";
+  }
+  return "";
+}
+
 // The same shape as ListTechniquesResponse has in JSON.
 Json LocalTechniques() {
   Json techniques = Json::array();
@@ -30,6 +43,7 @@ Json LocalTechniques() {
                           {"summary", info.summary},
                           {"artifact_kind", info.artifact_kind},
                           {"source", info.source},
+                          {"target", TargetName(info.target)},
                           {"parameters", std::move(parameters)}});
   }
   return {{"techniques", std::move(techniques)}};

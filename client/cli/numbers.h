@@ -4,9 +4,12 @@
 //   if (!numbers.ok()) …   // "--receiver: found "x" as number 3, need a finite number"
 #pragma once
 
+#include <charconv>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -16,6 +19,15 @@ namespace penumbra {
 
 // Errors  kInvalidArgument, reason NUMBER; the field path is `option`.
 absl::StatusOr<std::vector<float>> ParseNumbers(std::string_view option, std::string_view text);
+
+// The whole number that `text` is, and nothing else.
+template <typename Integer>
+std::optional<Integer> ReadInteger(std::string_view text) {
+  Integer value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
 
 // Whether `text` is nothing but numbers and what separates them.
 bool IsNumbers(std::string_view text);

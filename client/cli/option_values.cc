@@ -1,12 +1,13 @@
 #include "client/cli/option_values.h"
 
 #include <algorithm>
-#include <charconv>
+#include <cmath>
 #include <limits>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/option_error.h"
+#include "client/cli/parameter_option.h"
 #include "render/scene/field_error.h"
 #include "render/scene/scene.h"
 #include "render/scene/scene_check.h"
@@ -26,14 +27,6 @@ absl::Status RangeError(std::string_view option, std::string_view text, std::str
 absl::Status CountError(std::string_view option, size_t found, std::string_view need) {
   return FieldError(absl::StatusCode::kInvalidArgument, "NUMBER_COUNT", option,
                     absl::StrCat("found ", found, " numbers, need ", std::string(need)));
-}
-
-template <typename Integer>
-std::optional<Integer> ReadInteger(std::string_view text) {
-  Integer value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
 }
 
 // One number for which `is_right`.
@@ -134,8 +127,9 @@ absl::Status SetMethod(TechniqueParams& params, std::string_view text) {
                                                  out->append(name);
                                                })));
   }
-  std::visit([&](auto& p) { p.method = *method; }, params);
-  return absl::OkStatus();
+  const auto soft_texture = OfSoftTexture("--method", params);
+  if (soft_texture.ok()) (*soft_texture)->method = *method;
+  return soft_texture.status();
 }
 
 absl::Status AddLight(const LightOption& option, std::string_view text,
@@ -197,6 +191,18 @@ absl::Status SetDensity(std::string_view text, float& texels_per_metre) {
 
 absl::Status SetExposure(std::string_view text, std::optional<float>& exposure) {
   return Set(ReadPositive("--exposure", text), exposure);
+}
+
+absl::StatusOr<PixelRect> ReadRect(std::string_view option, std::string_view text) {
+  const auto numbers = ParseNumbers(option, text);
+  if (!numbers.ok()) return numbers.status();
+  const auto is_whole = [](float x) { return x >= 0 && x <= 1 << 20 && x == std::floor(x); };
+  if (numbers->size() != 4 || !std::ranges::all_of(*numbers, is_whole) || !((*numbers)[2] > 0) ||
+      !((*numbers)[3] > 0)) {
+    return RangeError(option, text, "x y width height in whole pixels");
+  }
+  const auto at = [&](size_t i) { return static_cast<uint32_t>((*numbers)[i]); };
+  return PixelRect{at(0), at(1), at(2), at(3)};
 }
 
 absl::Status SetCamera(std::string_view text, std::optional<Camera>& camera) {

@@ -38,6 +38,8 @@ absl::Status AddReceiver(std::string_view text, std::vector<Parallelogram>& rece
 
 absl::StatusOr<GridSize> ReadTexels(std::string_view option, std::string_view text);
 absl::StatusOr<GridSize> ReadPixels(std::string_view option, std::string_view text);
+// Four whole numbers, of which the last two are above 0.
+absl::StatusOr<PixelRect> ReadRect(std::string_view option, std::string_view text);
 
 // Three numbers, or one for all three.
 absl::Status SetAmbient(std::string_view text, std::optional<Vec3>& ambient);          // ≥ 0

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <optional>
 #include <string>
-#include <variant>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/numbers.h"
 #include "client/cli/option_error.h"
+#include "client/cli/parameter_option.h"
 
 namespace penumbra {
 namespace {
@@ -67,11 +67,14 @@ absl::Status SetAmbient(std::string_view option, std::string_view text, Vec3& va
   return absl::OkStatus();
 }
 
-SoftTextureParams& Of(TechniqueParams& params) { return std::get<SoftTextureParams>(params); }
-
-SoftTextureParams& WithRadiance(TechniqueParams& params) {
-  Of(params).radiance = true;
-  return Of(params);
+// Sets a member of soft_texture's parameters by `set(value)`. Those about radiance ask for it too.
+template <typename T, typename SetIt>
+absl::Status SetOfSoftTexture(std::string_view option, TechniqueParams& params,
+                              T SoftTextureParams::*member, bool of_radiance, SetIt set) {
+  const auto soft_texture = OfSoftTexture(option, params);
+  if (!soft_texture.ok()) return soft_texture.status();
+  if (of_radiance) (*soft_texture)->radiance = true;
+  return set((*soft_texture)->*member);
 }
 
 constexpr ShadingOption kOptions[] = {
@@ -79,36 +82,52 @@ constexpr ShadingOption kOptions[] = {
      "How radiance is made: product, or sample_sum, which is right for large lights too (default "
      "product)",
      [](TechniqueParams& params, std::string_view text) {
-       return SetNamed("--shading", kShadingNames, text, WithRadiance(params).shading);
+       return SetOfSoftTexture(
+           "--shading", params, &SoftTextureParams::shading, true,
+           [&](Shading& value) { return SetNamed("--shading", kShadingNames, text, value); });
      }},
     {"--form-factor-error", "SHARE",
      "Bound on the relative error of unoccluded light; 0: closed form everywhere (default 0.001)",
      [](TechniqueParams& params, std::string_view text) {
-       return SetNumber("--form-factor-error", text, kMaxFormFactorError,
-                        WithRadiance(params).form_factor_error);
+       return SetOfSoftTexture("--form-factor-error", params, &SoftTextureParams::form_factor_error,
+                               true, [&](float& value) {
+                                 return SetNumber("--form-factor-error", text, kMaxFormFactorError,
+                                                  value);
+                               });
      }},
     {"--ambient-radiance", "\"r g b\"", "Radiance that reaches every texel (default 0)",
      [](TechniqueParams& params, std::string_view text) {
-       return SetAmbient("--ambient-radiance", text, WithRadiance(params).ambient);
+       return SetOfSoftTexture(
+           "--ambient-radiance", params, &SoftTextureParams::ambient, true,
+           [&](Vec3& value) { return SetAmbient("--ambient-radiance", text, value); });
      }},
     {"--output", "NAME",
      "What radiance is rounded to: float32, half, unorm16 or unorm8 (default float32)",
      [](TechniqueParams& params, std::string_view text) {
-       return SetNamed("--output", kRadianceFormatNames, text, WithRadiance(params).output);
+       return SetOfSoftTexture("--output", params, &SoftTextureParams::output, true,
+                               [&](RadianceFormat& value) {
+                                 return SetNamed("--output", kRadianceFormatNames, text, value);
+                               });
      }},
     {"--output-scale", "RADIANCE",
      "What 1 is in unorm outputs (default: the most that the texture has with nothing in the way)",
      [](TechniqueParams& params, std::string_view text) {
-       return SetNumber("--output-scale", text, kMaxOutputScale, WithRadiance(params).output_scale);
+       return SetOfSoftTexture(
+           "--output-scale", params, &SoftTextureParams::output_scale, true,
+           [&](float& value) { return SetNumber("--output-scale", text, kMaxOutputScale, value); });
      }},
     {"--silhouette-reuse", "N",
      "Light samples that share one's outlines of meshes: quicker, and no longer exact (default 1)",
      [](TechniqueParams& params, std::string_view text) {
-       return SetReuse(text, Of(params).silhouette_reuse);
+       return SetOfSoftTexture("--silhouette-reuse", params, &SoftTextureParams::silhouette_reuse,
+                               false, [&](uint32_t& value) { return SetReuse(text, value); });
      }},
     {"--count-bits", "N", "Bits that a count is sent in: auto, 8 or 16 (default auto)",
      [](TechniqueParams& params, std::string_view text) {
-       return SetNamed("--count-bits", kCountBitsNames, text, Of(params).count_bits);
+       return SetOfSoftTexture("--count-bits", params, &SoftTextureParams::count_bits, false,
+                               [&](CountBits& value) {
+                                 return SetNamed("--count-bits", kCountBitsNames, text, value);
+                               });
      }},
 };
 

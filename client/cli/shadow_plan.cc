@@ -1,6 +1,7 @@
 #include "client/cli/shadow_plan.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -117,7 +118,70 @@ absl::Status PlanReceivers(const ImportedScene& imported, const ShadowRequest& r
   return request.every_polygon ? PlanSurfaces(imported, request, plan) : absl::OkStatus();
 }
 
+// The patch as a thing that casts and is seen.
+absl::StatusOr<Instance> InstanceOn(const Parallelogram& patch, Vec3 color, std::string id) {
+  MeshGeometry square;
+  for (const Vec2 uv : {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1), Vec2(0, 1)}) {
+    square.positions.push_back(patch.At(uv));
+    square.uvs.push_back(uv);
+  }
+  square.indices = {0, 1, 2, 0, 2, 3};
+  auto mesh = Mesh::Create(std::move(square));
+  if (!mesh.ok()) return mesh.status();
+  return Instance{.id = std::move(id), .mesh = *std::move(mesh), .color = color};
+}
+
+absl::Status PlanSurfacesAtOnce(const ImportedScene& imported, const ShadowRequest& request,
+                                ShadowPlan& plan) {
+  const bool names_receivers =
+      !request.receivers.empty() || !request.receiver_instances.empty() || request.every_polygon;
+  if (names_receivers) {
+    return OptionError("--technique", "CONFLICT", {InfoOf(request.params).name},
+                       " with a receiver named, need soft_texture, or no receiver");
+  }
+  if (request.floor) {
+    std::vector<Instance>& instances = plan.delta.upsert_instances;
+    auto floor =
+        InstanceOn(FloorUnder(Bounds(imported)), request.reflectance, UniqueId(instances, "floor"));
+    if (!floor.ok()) return floor.status();
+    instances.push_back(*std::move(floor));
+  }
+  return absl::OkStatus();
+}
+
+std::string NameOf(const std::string& what, const std::string& light_id, bool has_several_lights) {
+  if (what.empty()) return light_id;
+  return has_several_lights ? absl::StrCat(what, ".", light_id) : what;
+}
+
 }  // namespace
+
+std::vector<PlannedShadow> ShadowsOf(const ShadowPlan& plan, const TechniqueParams& params) {
+  std::vector<PlannedShadow> shadows;
+  const bool has_several = plan.light_ids.size() > 1;
+  const auto add = [&](const std::string& what, const std::string& receiver_id,
+                       const std::optional<PointReceiver>& points) {
+    for (const std::string& light_id : plan.light_ids) {
+      shadows.push_back({.spec = {.params = params,
+                                  .light_id = light_id,
+                                  .receiver_id = receiver_id,
+                                  .points = points},
+                         .name = NameOf(what, light_id, has_several)});
+    }
+  };
+  switch (InfoOf(params).target) {
+    case SpecTarget::kReceiver:
+      for (const std::string& id : plan.receiver_ids) add(id, id, std::nullopt);
+      break;
+    case SpecTarget::kScene:
+      add("", "", std::nullopt);
+      break;
+    case SpecTarget::kPoints:
+      for (const PlannedPoints& points : plan.points) add(points.name, "", points.receiver);
+      break;
+  }
+  return shadows;
+}
 
 absl::StatusOr<ShadowPlan> PlanShadows(const ImportedScene& imported,
                                        const ShadowRequest& request) {
@@ -125,7 +189,16 @@ absl::StatusOr<ShadowPlan> PlanShadows(const ImportedScene& imported,
   plan.notes = imported.warnings;
   plan.delta.upsert_instances = imported.instances;
   if (absl::Status status = PlanLights(imported, request, plan); !status.ok()) return status;
-  if (absl::Status status = PlanReceivers(imported, request, plan); !status.ok()) return status;
+  const SpecTarget target = InfoOf(request.params).target;
+  absl::Status status = target == SpecTarget::kReceiver
+                            ? PlanReceivers(imported, request, plan)
+                            : PlanSurfacesAtOnce(imported, request, plan);
+  if (!status.ok()) return status;
+  if (target == SpecTarget::kPoints) {
+    auto points = PlanPoints(imported, request);
+    if (!points.ok()) return points.status();
+    plan.points = *std::move(points);
+  }
   return plan;
 }
 

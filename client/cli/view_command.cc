@@ -13,6 +13,7 @@
 #include "client/cli/output_files.h"
 #include "client/cli/run_command.h"
 #include "client/cli/shadow_plan.h"
+#include "client/display/thin_renderer.h"
 #include "client/session/commit_in_parts.h"
 #include "client/session/steady_clock.h"
 
@@ -23,6 +24,7 @@ using Json = nlohmann::ordered_json;
 
 // Adds the scene's own flat surfaces where the request names none, or a floor where there are none.
 ShadowRequest WithReceivers(ShadowRequest request, const ImportedScene& imported, size_t count) {
+  if (InfoOf(request.params).target != SpecTarget::kReceiver) return request;
   if (request.every_polygon || !request.receivers.empty() || !request.receiver_instances.empty()) {
     return request;
   }
@@ -47,23 +49,34 @@ Json ToJson(const ViewCommand& command, size_t textures, const DrawnPicture& dra
           {"draw_ms", drawn.draw_ms}};
 }
 
-absl::StatusOr<Shadows> Receive(Engine& engine, const std::string& scene_id, const ShadowPlan& plan,
-                                const TechniqueParams& params, const Console& console,
-                                std::stop_token stop) {
-  Shadows shadows;
+// Appends to `shadows`.
+absl::Status Receive(Engine& engine, const std::string& scene_id,
+                     const std::vector<PlannedShadow>& wanted, const Console& console,
+                     const std::stop_token& stop, Shadows& shadows) {
   ProgressLine progress(console);
-  for (const std::string& receiver_id : plan.receiver_ids) {
-    for (const std::string& light_id : plan.light_ids) {
-      const std::string label = absl::StrCat(receiver_id, " in the light of ", light_id);
-      const double start_ms = NowMs();
-      auto artifact =
-          ComputeShadow(engine, scene_id, {params, light_id, receiver_id}, label, progress, stop);
-      if (!artifact.ok()) return artifact.status();
-      progress.Finish(absl::StrFormat("%s: %.1f ms", label, NowMs() - start_ms));
-      shadows.push_back(*std::move(artifact));
-    }
+  for (const PlannedShadow& shadow : wanted) {
+    const double start_ms = NowMs();
+    auto artifact = ComputeShadow(engine, scene_id, shadow.spec, shadow.name, progress, stop);
+    if (!artifact.ok()) return artifact.status();
+    progress.Finish(absl::StrFormat("%s: %.1f ms", shadow.name, NowMs() - start_ms));
+    shadows.push_back(*std::move(artifact));
   }
-  return shadows;
+  return absl::OkStatus();
+}
+
+// The final picture's shadows: as many pixels as are shaded, in each light.
+std::vector<PlannedShadow> FinalShadows(const ViewCommand& command, const ShadowPlan& plan,
+                                        const Camera& camera) {
+  CoherentRaytraceParams params;
+  if (const auto* chosen = std::get_if<CoherentRaytraceParams>(&command.request.params)) {
+    params = *chosen;
+  }
+  const auto n = static_cast<uint32_t>(RenderOptions{}.samples_per_side);
+  const PicturePixels picture{
+      .camera = camera, .width = n * command.size.width, .height = n * command.size.height};
+  ShadowPlan final_plan{.delta = {}, .light_ids = plan.light_ids};
+  final_plan.points.push_back({"final picture", picture});
+  return ShadowsOf(final_plan, params);
 }
 
 absl::Status Draw(const ViewCommand& command, const Camera& camera, const Scene& scene,
@@ -109,15 +122,25 @@ absl::Status Run(const ViewCommand& command, const Console& console, std::stop_t
   if (!temporary.ok()) return temporary.status();
   const auto revision = CommitInParts(**engine, temporary->id(), plan->delta);
   if (!revision.ok()) return revision.status();
-  const auto shadows = Receive(**engine, temporary->id(), *plan, request.params, console, stop);
-  if (!shadows.ok()) return shadows.status();
+  const Camera camera =
+      command.camera.value_or(ChooseCamera(*imported, request.floor, command.size));
+  // coherent_raytrace makes nothing but final pictures.
+  const bool is_final = command.final || InfoOf(request.params).target == SpecTarget::kPoints;
+  Shadows shadows;
+  if (InfoOf(request.params).target != SpecTarget::kPoints) {
+    status = Receive(**engine, temporary->id(), ShadowsOf(*plan, request.params), console, stop,
+                     shadows);
+  }
+  if (status.ok() && is_final) {
+    status = Receive(**engine, temporary->id(), FinalShadows(command, *plan, camera), console, stop,
+                     shadows);
+  }
+  if (!status.ok()) return status;
   const auto scene = (*engine)->Snapshot(temporary->id());
   if (!scene.ok()) return scene.status();
 
   for (const std::string& note : plan->notes) console.Note(note);
-  const Camera camera =
-      command.camera.value_or(ChooseCamera(*imported, request.floor, command.size));
-  return Draw(command, camera, **scene, *shadows, console);
+  return Draw(command, camera, **scene, shadows, console);
 }
 
 }  // namespace penumbra

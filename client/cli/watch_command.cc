@@ -166,6 +166,35 @@ absl::StatusOr<std::vector<std::string>> Chosen(std::string_view option,
   return named;
 }
 
+// What the technique computes for: the scene's receivers, or something else.
+absl::StatusOr<std::vector<std::string>> ReceiversFor(const WatchCommand& command,
+                                                      const Scene& scene) {
+  const SpecTarget target = InfoOf(command.params).target;
+  if (target == SpecTarget::kReceiver) {
+    return Chosen("--receiver", command.receiver_ids, scene.receivers());
+  }
+  if (!command.receiver_ids.empty()) {
+    return OptionError("--receiver", "CONFLICT", {command.receiver_ids.front()},
+                       ", need none for this technique");
+  }
+  if (target == SpecTarget::kPoints && !command.camera) {
+    return OptionError("--technique", "MISSING_OPTION", {InfoOf(command.params).name},
+                       " without --camera, need what picture to compute");
+  }
+  return std::vector<std::string>{""};
+}
+
+ArtifactSpec SpecOf(const WatchCommand& command, const std::string& light_id,
+                    const std::string& receiver_id) {
+  ArtifactSpec spec{command.params, light_id, receiver_id, command.time_budget_ms};
+  if (InfoOf(command.params).target == SpecTarget::kPoints) {
+    spec.points = PicturePixels{.camera = *command.camera,
+                                .width = command.picture.width,
+                                .height = command.picture.height};
+  }
+  return spec;
+}
+
 }  // namespace
 
 absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
@@ -175,7 +204,7 @@ absl::Status Run(const WatchCommand& command, const Console& console, std::stop_
   if (!scene.ok()) return scene.status();
   const auto lights = Chosen("--light", command.light_ids, (*scene)->lights());
   if (!lights.ok()) return lights.status();
-  const auto receivers = Chosen("--receiver", command.receiver_ids, (*scene)->receivers());
+  const auto receivers = ReceiversFor(command, **scene);
   if (!receivers.ok()) return receivers.status();
   if (lights->empty() || receivers->empty()) {
     return absl::FailedPreconditionError(absl::StrCat(
@@ -193,7 +222,7 @@ absl::Status Run(const WatchCommand& command, const Console& console, std::stop_
   std::vector<std::unique_ptr<Subscription>> subscriptions;
   for (const std::string& receiver_id : *receivers) {
     for (const std::string& light_id : *lights) {
-      const ArtifactSpec spec{command.params, light_id, receiver_id, command.time_budget_ms};
+      const ArtifactSpec spec = SpecOf(command, light_id, receiver_id);
       auto subscription = (*engine)->SubscribeMeasured(
           command.scene_id, spec,
           [&printer, spec](const ArtifactUpdate& update, const UpdateTraffic& traffic) {

@@ -111,8 +111,10 @@ class Builder {
       if (artifact == nullptr) continue;
       const auto* texture = std::get_if<SoftShadowTexture>(&artifact->payload);
       const auto light = light_index.find(artifact->header.light_id);
+      if (light == light_index.end()) continue;
+      if (texture == nullptr) list_.of_any_surface.emplace_back(light->second, artifact);
       const auto receiver = scene.FindReceiver(artifact->header.receiver_id);
-      if (texture != nullptr && light != light_index.end() && receiver != nullptr) {
+      if (texture != nullptr && receiver != nullptr) {
         AddArtifact(artifact, *texture, light->second, *receiver);
       }
     }
@@ -199,7 +201,8 @@ class Builder {
                      .bounds = WorldBounds(instance),
                      .color = instance.color,
                      .alpha_mask = instance.alpha_mask,
-                     .alpha_cutoff = instance.alpha_cutoff};
+                     .alpha_cutoff = instance.alpha_cutoff,
+                     .receives = instance.receives};
     if (item.bounds.empty()) return;
     if (instance.receives) AddCandidates(item, instance.id, {});
     list_.items.push_back(std::move(item));

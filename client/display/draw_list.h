@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "client/display/form_factor_glsl.h"
@@ -33,6 +34,7 @@ struct DrawItem {
   bool two_sided = true;  // of what glows
   std::shared_ptr<const AlphaMask> alpha_mask;
   float alpha_cutoff = 0.5f;
+  bool receives = true;
   uint32_t first_candidate = 0;  // into DrawList::candidates, in the order of lights
   uint32_t end_candidate = 0;
 };
@@ -43,6 +45,9 @@ struct DrawList {
   std::vector<GpuReceiver> receivers;
   std::vector<std::shared_ptr<const Artifact>> artifacts;  // one a receiver, whose counts it wants
   std::vector<Candidate> candidates;
+  // Artifacts that are not of a receiver, with their light: what they say of surfaces is found by
+  // place.
+  std::vector<std::pair<uint32_t, std::shared_ptr<const Artifact>>> of_any_surface;
   size_t texel_count = 0;  // places of all artifacts' counts and masks (PlacesOf)
 };
 

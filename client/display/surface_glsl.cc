@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/substitute.h"
 #include "client/display/form_factor_glsl.h"
+#include "client/display/light_above_plane_glsl.h"
 #include "client/display/visibility_glsl.h"
 
 namespace penumbra {
@@ -76,6 +77,7 @@ uniform vec3 ambient;
 uniform float clip_radiance;
 uniform bool culls_back_faces;
 uniform bool has_vertex_normals;
+uniform bool receives;
 uniform int light_count;
 uniform uint first_candidate;
 uniform uint end_candidate;
@@ -118,6 +120,9 @@ float ShareOn(uint code, vec3 position, vec3 n) {
   return SmoothVisibility(receiver, UvOnReceiver(receiver, position));
 }
 
+// What part of the most that can be seen is seen.
+float ShareAbove(float seen, float most) { return most > 0.0 ? min(1.0, seen / most) : 0.0; }
+
 vec3 Shade(vec3 position, vec3 face_normal, vec3 n) {
   vec3 sum = ambient;
   uint next = first_candidate;
@@ -132,7 +137,16 @@ vec3 Shade(vec3 position, vec3 face_normal, vec3 n) {
         chosen = candidates[next].y;
       }
     }
-    float share = best > 0 ? ShareOn(chosen, position, n) : 1.0;
+    float share = 1.0, value;
+    if (FindInPicture(i, position_at_center, position_inside, value)) {
+      share = HasShares(i) ? ShareAbove(value, LightAbovePlane(lights[i], position, face_normal))
+                           : ShareAbove(value, UnoccludedFactor(lights[i], position, face_normal));
+    } else if (best > 0) {
+      share = ShareOn(chosen, position, n);
+    } else if (receives && HasLayers(i)) {
+      share = ShareAbove(LayerVisibility(i, position, face_normal),
+                         LightAbovePlane(lights[i], position, face_normal));
+    }
     if (share > 0.0) sum += share * UnoccludedRadiance(lights[i], position, n);
   }
   return color * sum;
@@ -171,9 +185,12 @@ std::string FaceGlsl() { return absl::Substitute(kFaceGlsl, kFaceNormalsBinding)
 
 }  // namespace
 
-gl::ProgramSource SurfaceProgram() {
+gl::ProgramSource SurfaceProgram() { return SurfaceProgram(ShadowWordsGlsl(kShadowWordBindings)); }
+
+gl::ProgramSource SurfaceProgram(const std::string& shadow_words_glsl) {
   return {.vertex = kVertexGlsl,
-          .fragment = absl::StrCat(FormFactorGlsl(), VisibilityGlsl(kCountsBinding), FaceGlsl(),
+          .fragment = absl::StrCat(FormFactorGlsl(), LightAbovePlaneGlsl(), shadow_words_glsl,
+                                   VisibilityGlsl(kCountsBinding), FaceGlsl(),
                                    absl::Substitute(kSurfaceGlsl, kLightsBinding, kReceiversBinding,
                                                     kCandidatesBinding, kMaskUnit, kIsTheReceiver,
                                                     kIsPartOfIt, kIsTheReceiver | kIsPartOfIt))};

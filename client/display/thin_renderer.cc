@@ -12,6 +12,7 @@
 #include "client/display/gpu_mesh.h"
 #include "client/display/picture_tile.h"
 #include "client/display/surface_glsl.h"
+#include "client/display/word_pool.h"
 #include "render/gl/draw.h"
 #include "render/gl/framebuffer.h"
 #include "render/gl/program.h"
@@ -73,12 +74,15 @@ absl::StatusOr<gl::Buffer> Upload(gl::Context& context, const std::vector<T>& va
 
 class ThinRenderer::Impl {
  public:
+  explicit Impl(gl::ProgramSource surface) : surface_source_(std::move(surface)) {}
+
   absl::Status Bind(gl::Context& context);
   absl::StatusOr<Picture> Render(gl::Context& context, const Scene& scene,
                                  std::span<const std::shared_ptr<const Artifact>> artifacts,
                                  const Camera& camera, const RenderOptions& options);
   Uploads uploads() const {
-    return {meshes_.upload_count(), masks_.upload_count(), counts_.upload_count()};
+    return {meshes_.upload_count(), masks_.upload_count(),
+            counts_.upload_count() + words_.upload_count()};
   }
 
  private:
@@ -86,7 +90,7 @@ class ThinRenderer::Impl {
     gl::Buffer lights, receivers, candidates;
   };
 
-  absl::StatusOr<Frame> Prepare(gl::Context& context, const DrawList& list);
+  absl::StatusOr<Frame> Prepare(gl::Context& context, const DrawList& list, const Camera& camera);
   void SetFrame(gl::Context& context, const DrawList& list, const Camera& camera,
                 const RenderOptions& options);
   absl::Status DrawItemOn(gl::Context& context, const DrawItem& item, const DMat4& clip_from_world);
@@ -94,12 +98,14 @@ class ThinRenderer::Impl {
                           const PictureTile& tile, int samples_per_side, Picture& picture);
   absl::Status EnsureTarget(gl::Context& context, int side);
 
+  const gl::ProgramSource surface_source_;
   uint64_t context_serial_ = 0;
   std::optional<gl::Program> surface_, glow_;
   std::optional<gl::Framebuffer> target_;
   UploadCache<GpuMesh> meshes_;
   UploadCache<gl::Texture> masks_;
   CountPool counts_;
+  WordPool words_;
 };
 
 // Starts anew when the context is another one than before.
@@ -109,8 +115,9 @@ absl::Status ThinRenderer::Impl::Bind(gl::Context& context) {
   meshes_.Clear();
   masks_.Clear();
   counts_.Clear();
+  words_.Clear();
   target_.reset();
-  auto surface = gl::Program::Create(context, SurfaceProgram());
+  auto surface = gl::Program::Create(context, surface_source_);
   if (!surface.ok()) return surface.status();
   auto glow = gl::Program::Create(context, GlowProgram());
   if (!glow.ok()) return glow.status();
@@ -132,8 +139,10 @@ absl::Status ThinRenderer::Impl::EnsureTarget(gl::Context& context, int side) {
 }
 
 absl::StatusOr<ThinRenderer::Impl::Frame> ThinRenderer::Impl::Prepare(gl::Context& context,
-                                                                      const DrawList& list) {
+                                                                      const DrawList& list,
+                                                                      const Camera& camera) {
   if (absl::Status status = counts_.Update(context, list); !status.ok()) return status;
+  if (absl::Status status = words_.Update(context, list, camera); !status.ok()) return status;
   auto lights = Upload(context, list.lights);
   auto receivers = Upload(context, list.receivers);
   auto candidates = Upload(context, list.candidates);
@@ -144,6 +153,7 @@ absl::StatusOr<ThinRenderer::Impl::Frame> ThinRenderer::Impl::Prepare(gl::Contex
   receivers->BindStorage(context, kReceiversBinding);
   candidates->BindStorage(context, kCandidatesBinding);
   counts_.buffer().BindStorage(context, kCountsBinding);
+  words_.Bind(context);
   return Frame{*std::move(lights), *std::move(receivers), *std::move(candidates)};
 }
 
@@ -177,6 +187,7 @@ absl::Status ThinRenderer::Impl::DrawItemOn(gl::Context& context, const DrawItem
     program.Set(context, "has_vertex_normals", (*mesh)->has_normals ? 1 : 0);
     program.Set(context, "alpha_cutoff", item.alpha_cutoff);
     program.Set(context, "has_mask", item.alpha_mask != nullptr ? 1 : 0);
+    program.Set(context, "receives", item.receives ? 1 : 0);
     program.Set(context, "first_candidate", item.first_candidate);
     program.Set(context, "end_candidate", item.end_candidate);
   }
@@ -215,7 +226,7 @@ absl::StatusOr<Picture> ThinRenderer::Impl::Render(
     std::span<const std::shared_ptr<const Artifact>> artifacts, const Camera& camera,
     const RenderOptions& options) {
   const DrawList list = BuildDrawList(scene, artifacts, options.draws_lights);
-  const auto frame = Prepare(context, list);
+  const auto frame = Prepare(context, list, camera);
   if (!frame.ok()) return frame.status();
   SetFrame(context, list, camera, options);
   const int n = options.samples_per_side;
@@ -247,8 +258,9 @@ absl::StatusOr<Picture> ThinRenderer::Impl::Render(
 ThinRenderer::ThinRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ThinRenderer::~ThinRenderer() = default;
 
-absl::StatusOr<std::unique_ptr<ThinRenderer>> ThinRenderer::Create(gl::Context& context) {
-  auto impl = std::make_unique<Impl>();
+absl::StatusOr<std::unique_ptr<ThinRenderer>> ThinRenderer::Create(gl::Context& context,
+                                                                   gl::ProgramSource surface) {
+  auto impl = std::make_unique<Impl>(std::move(surface));
   if (absl::Status status = impl->Bind(context); !status.ok()) return status;
   return std::unique_ptr<ThinRenderer>(new ThinRenderer(std::move(impl)));
 }

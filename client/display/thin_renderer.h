@@ -15,6 +15,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/display/picture.h"
+#include "client/display/surface_glsl.h"
 #include "render/artifact/artifact.h"
 #include "render/gl/context.h"
 #include "render/scene/camera.h"
@@ -49,8 +50,10 @@ class ThinRenderer {
     int64_t artifacts = 0;
   };
 
-  // Errors  kInternal: the driver does not take the shaders
-  static absl::StatusOr<std::unique_ptr<ThinRenderer>> Create(gl::Context& context);
+  // surface  what draws faces: SurfaceProgram(), or one that finds shadows in another way
+  // Errors   kInternal: the driver does not take the shaders
+  static absl::StatusOr<std::unique_ptr<ThinRenderer>> Create(
+      gl::Context& context, gl::ProgramSource surface = SurfaceProgram());
   ~ThinRenderer();
 
   // Artifacts of lights or receivers that `scene` does not hold are ignored; so are nulls.

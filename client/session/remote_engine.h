@@ -36,11 +36,13 @@ struct RemoteEngineOptions {
   std::function<void(uint64_t sent_bytes, uint64_t total_bytes)> upload_progress = nullptr;
 };
 
-// Which shadows are asked for at once: of each light on each receiver.
+// Which shadows are asked for at once: of each light on each receiver, or for whatever else the
+// technique computes.
 struct EachRequest {
   TechniqueParams params;
-  std::vector<std::string> light_ids;     // empty: all that the scene has now
-  std::vector<std::string> receiver_ids;  // likewise
+  std::vector<std::string> light_ids;                  // empty: all that the scene has now
+  std::vector<std::string> receiver_ids;               // likewise, of techniques for receivers
+  std::optional<PointReceiver> points = std::nullopt;  // of techniques for points
 };
 
 struct EachSubscription {

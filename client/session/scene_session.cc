@@ -219,12 +219,14 @@ absl::StatusOr<std::vector<EachSubscription>> SceneSession::SubscribeEach(
     const EachRequest& request, RemoteEngine::EachCallback callback) {
   v1::SessionRequest message;
   v1::SubscribeEach& each = *message.mutable_subscribe_each();
-  *each.mutable_technique() = ToProto(ArtifactSpec{request.params, "", ""});
+  *each.mutable_technique() =
+      ToProto(ArtifactSpec{.params = request.params, .points = request.points});
   each.mutable_light_ids()->Assign(request.light_ids.begin(), request.light_ids.end());
   each.mutable_receiver_ids()->Assign(request.receiver_ids.begin(), request.receiver_ids.end());
   each.set_initial_credit(kInitialCredit);
   const auto answer = std::make_shared<Answer>();
   answer->params = request.params;
+  answer->points = request.points;
   answer->each = std::move(callback);
   answer->asked_ms = NowMs();
   {

@@ -58,6 +58,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
     SceneDelta delta;
     // Of a SubscribeEach: what the subscriptions are made from, and those made.
     TechniqueParams params;
+    std::optional<PointReceiver> points;
     RemoteEngine::EachCallback each;
     double asked_ms = 0.0;
     std::vector<std::pair<ArtifactSpec, std::shared_ptr<RemoteSubscriber>>> made;

@@ -115,7 +115,10 @@ void SceneSession::MakeSubscribers(const v1::SubscribeEachResult& result, Answer
   uint64_t id = result.first_subscription_id();
   for (const std::string& receiver_id : result.receiver_ids()) {
     for (const std::string& light_id : result.light_ids()) {
-      ArtifactSpec spec{answer.params, light_id, receiver_id};
+      ArtifactSpec spec{.params = answer.params,
+                        .light_id = light_id,
+                        .receiver_id = receiver_id,
+                        .points = answer.points};
       auto callback = [each = answer.each, spec](const ArtifactUpdate& update,
                                                  const UpdateTraffic& traffic) {
         each(spec, update, traffic);

@@ -9,11 +9,11 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "absl/status/statusor.h"
 #include "penumbra/v1/artifact.pb.h"
-#include "proto/convert/tile_codec.h"
+#include "proto/convert/ldi_codec.h"
+#include "proto/convert/texel_assembler.h"
 #include "render/engine/engine.h"
 #include "render/scene/scene_limits.h"
 
@@ -25,7 +25,7 @@ class ArtifactAssembler {
 
   // The update, once `message` completes it.
   //
-  // Errors  those of FromProto, TileDecoder and DecodePart; kDataLoss INCOMPLETE: a tile or a part
+  // Errors  those of FromProto, TexelAssembler and LdiTiles; kDataLoss INCOMPLETE: a tile or a part
   //         of the mask is missing. The subscription cannot go on after one.
   absl::StatusOr<std::optional<ArtifactUpdate>> Add(const v1::ArtifactUpdate& message);
 
@@ -34,21 +34,20 @@ class ArtifactAssembler {
 
  private:
   absl::Status Begin(const v1::ArtifactUpdate& message);
-  void BeginCoverage(bool starts_from_nothing);
-  absl::Status AddTiles(const v1::ArtifactUpdate& message);
-  absl::Status AddCoverage(const v1::ArtifactUpdate& message);
+  absl::Status BeginSamples(const v1::ArtifactUpdate& message, bool starts_from_nothing);
+  void BeginPayload(const Artifact* before);
+  absl::Status AddParts(const v1::ArtifactUpdate& message);
+  absl::Status FinishPayload();
   absl::StatusOr<ArtifactUpdate> Finish(const v1::ArtifactUpdate& message);
 
   SceneLimits limits_;
-  TileDecoder decoder_;
   uint64_t sequence_ = 0;
   Revision revision_ = 0;           // of the update in the making
   bool in_update_ = false;          // between an update's first and last message
   std::shared_ptr<Artifact> next_;  // in the making; null: no artifact in this update
-  std::vector<bool> has_tile_;      // of an artifact that starts from nothing, otherwise empty
-  std::vector<bool> has_part_;      // likewise of a mask
-  // In the making; null: as it was before, or no mask.
-  std::shared_ptr<CoverageMask> next_coverage_;
+  TexelAssembler texels_;
+  std::optional<LdiTiles> next_ldi_;          // of an attenuation LDI in the making
+  std::optional<LdiTiles> ldi_;               // of the newest complete one
   std::shared_ptr<const Artifact> artifact_;  // the newest complete one
 };
 

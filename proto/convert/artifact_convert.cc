@@ -6,7 +6,9 @@
 #include <variant>
 
 #include "proto/convert/geometry_convert.h"
+#include "proto/convert/ldi_convert.h"
 #include "proto/convert/light_convert.h"
+#include "proto/convert/points_convert.h"
 #include "render/scene/field_error.h"
 
 namespace penumbra {
@@ -39,101 +41,162 @@ ReceiverPatch Read(const v1::ReceiverPatch& proto) {
           .reflectance = FromProto(proto.reflectance())};
 }
 
+// What is said of the texels, by kinds of artifacts that have some.
+template <typename Proto>
+void WriteTexels(const ShadowTexels& texels, Proto& proto) {
+  proto.set_sample_count(texels.visibility.sample_count);
+  proto.set_has_radiance(texels.radiance.has_value());
+  if (!texels.radiance) return;
+  proto.set_radiance_format(penumbra::ToProto(texels.radiance->format));
+  proto.set_radiance_scale(texels.radiance->scale);
+}
+
 // One overload of Write a kind of artifact: a new one does not compile without.
 void Write(const SoftShadowTexture& texture, v1::ArtifactHeader& proto) {
   auto& kind = *proto.mutable_soft_shadow_texture();
   *kind.mutable_receiver() = ToProto(texture.receiver);
   *kind.mutable_light() = penumbra::ToProto(texture.light);
-  kind.set_sample_count(texture.visibility.sample_count);
-  kind.set_has_radiance(texture.radiance.has_value());
+  WriteTexels(texture, kind);
   kind.set_has_coverage(texture.coverage != nullptr);
   kind.set_count_bits(texture.count_bits);
-  if (!texture.radiance) return;
-  kind.set_radiance_format(penumbra::ToProto(texture.radiance->format));
-  kind.set_radiance_scale(texture.radiance->scale);
 }
 
-absl::Status CheckGrid(const v1::ReceiverPatch& receiver, const SceneLimits& limits) {
-  const uint64_t width = receiver.width();
-  const uint64_t height = receiver.height();
+void Write(const AttenuationLdi& ldi, v1::ArtifactHeader& proto) {
+  *proto.mutable_attenuation_ldi() = penumbra::ToProto(ldi);
+}
+
+void Write(const ViewShadow& shadow, v1::ArtifactHeader& proto) {
+  auto& kind = *proto.mutable_view_shadow();
+  *kind.mutable_points() = penumbra::ToProto(shadow.points);
+  kind.set_width(shadow.visibility.width);
+  kind.set_height(shadow.visibility.height);
+  *kind.mutable_light() = penumbra::ToProto(shadow.light);
+  WriteTexels(shadow, kind);
+  auto& progress = *kind.mutable_progress();
+  progress.set_fraction_done(shadow.progress.fraction_done);
+  progress.set_rays_traced(shadow.progress.rays_traced);
+  progress.set_time_left_ms(shadow.progress.time_left_ms);
+}
+
+absl::Status CheckGrid(uint64_t width, uint64_t height, const std::string& field,
+                       const SceneLimits& limits) {
   if (width > 0 && height > 0 && width <= limits.max_receiver_side &&
       height <= limits.max_receiver_side && width * height <= limits.max_receiver_texels) {
     return absl::OkStatus();
   }
-  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "soft_shadow_texture.receiver",
+  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field,
                     "found " + std::to_string(width) + " by " + std::to_string(height) +
                         " texels, need sides of 1 to " + std::to_string(limits.max_receiver_side) +
                         " and at most " + std::to_string(limits.max_receiver_texels) + " texels");
 }
 
-absl::Status RangeError(const char* field, const std::string& found, const char* need) {
+absl::Status RangeError(const std::string& field, const std::string& found, const char* need) {
   return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field,
                     "found " + found + ", need " + need);
 }
 
-absl::Status CheckFormats(const v1::SoftShadowTexture& proto) {
-  const uint32_t samples = proto.sample_count(), bits = proto.count_bits();
-  if (samples > UINT16_MAX) {
-    return RangeError("soft_shadow_texture.sample_count", std::to_string(samples), "at most 65535");
-  }
-  if ((bits != 0 && bits != 8 && bits != 16) || (bits == 8 && samples > UINT8_MAX)) {
-    return RangeError("soft_shadow_texture.count_bits", std::to_string(bits),
-                      "0, 16, or 8 for at most 255 samples");
+template <typename Proto>
+absl::Status CheckTexels(const Proto& proto, const std::string& kind) {
+  if (proto.sample_count() > UINT16_MAX) {
+    return RangeError(kind + ".sample_count", std::to_string(proto.sample_count()),
+                      "at most 65535");
   }
   if (!v1::RadianceFormat_IsValid(proto.radiance_format())) {
-    return RangeError("soft_shadow_texture.radiance_format",
-                      std::to_string(proto.radiance_format()), "one that this program knows");
+    return RangeError(kind + ".radiance_format", std::to_string(proto.radiance_format()),
+                      "one that this program knows");
   }
   const bool has_scale = proto.radiance_format() == v1::RADIANCE_FORMAT_UNORM16 ||
                          proto.radiance_format() == v1::RADIANCE_FORMAT_UNORM8;
   if (has_scale && !(proto.radiance_scale() > 0 && IsFinite(proto.radiance_scale()))) {
-    return RangeError("soft_shadow_texture.radiance_scale", std::to_string(proto.radiance_scale()),
+    return RangeError(kind + ".radiance_scale", std::to_string(proto.radiance_scale()),
                       "a finite number above 0");
   }
   return absl::OkStatus();
 }
 
+absl::Status CheckCountBits(const v1::SoftShadowTexture& proto) {
+  const uint32_t bits = proto.count_bits();
+  if (bits == 0 || bits == 16 || (bits == 8 && proto.sample_count() <= UINT8_MAX)) {
+    return absl::OkStatus();
+  }
+  return RangeError("soft_shadow_texture.count_bits", std::to_string(bits),
+                    "0, 16, or 8 for at most 255 samples");
+}
+
+// All counts 0, all radiance black.
+template <typename Proto>
+void ReadTexels(const Proto& proto, uint32_t width, uint32_t height, ShadowTexels& texels) {
+  texels.visibility = {.width = width,
+                       .height = height,
+                       .sample_count = proto.sample_count(),
+                       .counts = std::vector<uint16_t>(size_t{width} * height)};
+  if (!proto.has_radiance()) return;
+  texels.radiance = RadianceTexture{
+      .width = width, .height = height, .texels = std::vector<Vec3>(size_t{width} * height)};
+  if (proto.radiance_format() != v1::RADIANCE_FORMAT_UNSPECIFIED) {
+    texels.radiance->format = static_cast<RadianceFormat>(proto.radiance_format() - 1);
+  }
+  if (IsUnorm(texels.radiance->format)) texels.radiance->scale = proto.radiance_scale();
+}
+
 absl::StatusOr<SoftShadowTexture> Read(const v1::SoftShadowTexture& proto,
                                        const SceneLimits& limits) {
-  if (auto status = CheckGrid(proto.receiver(), limits); !status.ok()) return status;
-  if (auto status = CheckFormats(proto); !status.ok()) return status;
+  const uint32_t width = proto.receiver().width(), height = proto.receiver().height();
+  absl::Status status = CheckGrid(width, height, "soft_shadow_texture.receiver", limits);
+  if (status.ok()) status = CheckTexels(proto, "soft_shadow_texture");
+  if (status.ok()) status = CheckCountBits(proto);
+  if (!status.ok()) return status;
   auto light = FromProto(proto.light(), "soft_shadow_texture.light");
   if (!light.ok()) return light.status();
   SoftShadowTexture texture;
   texture.receiver = Read(proto.receiver());
   texture.light = *std::move(light);
-  const uint32_t width = texture.receiver.width;
-  const uint32_t height = texture.receiver.height;
-  texture.visibility = {.width = width,
-                        .height = height,
-                        .sample_count = proto.sample_count(),
-                        .counts = std::vector<uint16_t>(size_t{width} * height)};
+  ReadTexels(proto, width, height, texture);
   if (proto.has_coverage()) texture.coverage = std::make_shared<CoverageMask>(width, height);
   texture.count_bits = proto.count_bits();
-  if (proto.has_radiance()) {
-    texture.radiance = RadianceTexture{
-        .width = width, .height = height, .texels = std::vector<Vec3>(size_t{width} * height)};
-    if (proto.radiance_format() != v1::RADIANCE_FORMAT_UNSPECIFIED) {
-      texture.radiance->format = static_cast<RadianceFormat>(proto.radiance_format() - 1);
-    }
-    if (IsUnorm(texture.radiance->format)) texture.radiance->scale = proto.radiance_scale();
-  }
   return texture;
+}
+
+absl::StatusOr<ViewShadow> Read(const v1::ViewShadow& proto, const SceneLimits& limits) {
+  absl::Status status = CheckGrid(proto.width(), proto.height(), "view_shadow", limits);
+  if (status.ok()) status = CheckTexels(proto, "view_shadow");
+  if (!status.ok()) return status;
+  auto light = FromProto(proto.light(), "view_shadow.light");
+  if (!light.ok()) return light.status();
+  auto points = FromProto(proto.points());
+  if (!points.ok()) return WithFieldPrefix(points.status(), "view_shadow.points.");
+  ViewShadow shadow;
+  shadow.points = *std::move(points);
+  shadow.light = *std::move(light);
+  shadow.progress = {.fraction_done = proto.progress().fraction_done(),
+                     .rays_traced = proto.progress().rays_traced(),
+                     .time_left_ms = proto.progress().time_left_ms()};
+  ReadTexels(proto, proto.width(), proto.height(), shadow);
+  shadow.coverage = std::make_shared<CoverageMask>(proto.width(), proto.height());
+  return shadow;
+}
+
+// The payload, or the error in place of it.
+template <typename Kind>
+absl::StatusOr<ArtifactPayload> PayloadOf(absl::StatusOr<Kind> kind) {
+  if (!kind.ok()) return kind.status();
+  return ArtifactPayload(*std::move(kind));
 }
 
 absl::StatusOr<ArtifactPayload> ReadPayload(const v1::ArtifactHeader& proto,
                                             const SceneLimits& limits) {
   switch (proto.kind_case()) {
-    case v1::ArtifactHeader::kSoftShadowTexture: {
-      auto texture = Read(proto.soft_shadow_texture(), limits);
-      if (!texture.ok()) return texture.status();
-      return ArtifactPayload(*std::move(texture));
-    }
+    case v1::ArtifactHeader::kSoftShadowTexture:
+      return PayloadOf(Read(proto.soft_shadow_texture(), limits));
+    case v1::ArtifactHeader::kAttenuationLdi:
+      return PayloadOf(FromProto(proto.attenuation_ldi(), limits));
+    case v1::ArtifactHeader::kViewShadow:
+      return PayloadOf(Read(proto.view_shadow(), limits));
     case v1::ArtifactHeader::KIND_NOT_SET:
       break;
   }
   return FieldError(absl::StatusCode::kInvalidArgument, "MISSING_FIELD", "header.kind",
-                    "found none that this program knows, need a soft shadow texture");
+                    "found none that this program knows, need a kind of artifact");
 }
 
 }  // namespace

@@ -1,23 +1,26 @@
 #include "proto/convert/coverage_codec.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <span>
 #include <string>
 
+#include "proto/convert/plane_codec.h"
 #include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
 
-// As for tiles: a mask is sent once, and what is saved by packing harder is waited for.
+// A mask is sent once.
 constexpr int kZstdLevel = 1;
 
 template <typename Byte>
 std::span<Byte> PartOf(std::span<Byte> bytes, uint32_t index) {
   const size_t begin = index * kCoveragePartBytes;
   return bytes.subspan(begin, std::min(kCoveragePartBytes, bytes.size() - begin));
+}
+
+std::span<const char> CharsOf(std::span<const uint8_t> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 absl::Status Invalid(const char* reason, const std::string& text) {
@@ -38,18 +41,7 @@ v1::CoveragePart EncodePart(const CoverageMask& mask, uint32_t index) {
   v1::CoveragePart part;
   part.set_index(index);
   const auto plain = PartOf(mask.bytes(), index);
-  std::string& bits = *part.mutable_bits();
-  bits.resize(plain.size());
-  // No room for more than the part itself: an error means that it would not shrink.
-  const size_t size =
-      ZSTD_compress(bits.data(), bits.size(), plain.data(), plain.size(), kZstdLevel);
-  if (ZSTD_isError(size) || size >= plain.size()) {
-    bits.assign(plain.begin(), plain.end());
-    part.set_codec(v1::CODEC_RAW);
-  } else {
-    bits.resize(size);
-    part.set_codec(v1::CODEC_ZSTD);
-  }
+  part.set_codec(PlanePacker(kZstdLevel).Pack(CharsOf(plain), *part.mutable_bits()));
   return part;
 }
 
@@ -59,24 +51,10 @@ absl::Status DecodePart(const v1::CoveragePart& part, CoverageMask& mask) {
                                 std::to_string(CoveragePartCount(mask)));
   }
   const auto plain = PartOf(mask.mutable_bytes(), part.index());
-  const std::string& bits = part.bits();
-  size_t found = bits.size();
-  if (part.codec() == v1::CODEC_ZSTD) {
-    found = ZSTD_decompress(plain.data(), plain.size(), bits.data(), bits.size());
-    if (ZSTD_isError(found)) {
-      return Invalid("CODEC", std::string("found ") + ZSTD_getErrorName(found) +
-                                  ", need a Zstandard frame of " + std::to_string(plain.size()) +
-                                  " bytes");
-    }
-  } else if (part.codec() == v1::CODEC_RAW) {
-    if (found == plain.size()) std::copy(bits.begin(), bits.end(), plain.begin());
-  } else {
-    return Invalid("CODEC", "found codec " + std::to_string(part.codec()) + ", need raw or zstd");
-  }
-  if (found != plain.size()) {
-    return Invalid("LENGTH", "found " + std::to_string(found) + " bytes, need " +
-                                 std::to_string(plain.size()));
-  }
+  PlaneUnpacker unpacker;
+  const auto found = unpacker.Unpack(part.codec(), part.bits(), plain.size(), "coverage");
+  if (!found.ok()) return found.status();
+  std::ranges::copy(*found, plain.begin());
   const size_t used_bits = mask.texel_count() % 8;
   if (used_bits != 0 && mask.bytes().back() >> used_bits != 0) {
     return Invalid("RANGE", "found bits past the last texel, need 0");

@@ -16,6 +16,16 @@ v1::Vec3 ToProto(Vec3 v) {
 
 Vec3 FromProto(const v1::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
+v1::DVec3 ToProto(DVec3 v) {
+  v1::DVec3 proto;
+  proto.set_x(v.x);
+  proto.set_y(v.y);
+  proto.set_z(v.z);
+  return proto;
+}
+
+DVec3 FromProto(const v1::DVec3& v) { return {v.x(), v.y(), v.z()}; }
+
 v1::Parallelogram ToProto(const Parallelogram& patch) {
   v1::Parallelogram proto;
   *proto.mutable_origin() = ToProto(patch.origin);
@@ -42,12 +52,17 @@ v1::Camera ToProto(const View& view) {
   return proto;
 }
 
+Camera CameraFromProto(const v1::Camera& proto) {
+  Camera camera{.eye = Vec3(0), .target = Vec3(0, 0, -1)};
+  if (proto.has_eye()) camera.eye = FromProto(proto.eye());
+  if (proto.has_target()) camera.target = FromProto(proto.target());
+  if (proto.has_up()) camera.up = FromProto(proto.up());
+  if (proto.has_fov_y_deg()) camera.fov_y_deg = proto.fov_y_deg();
+  return camera;
+}
+
 absl::StatusOr<View> FromProto(const v1::Camera& proto) {
-  View view{.camera = {.eye = Vec3(0), .target = Vec3(0, 0, -1)}};
-  if (proto.has_eye()) view.camera.eye = FromProto(proto.eye());
-  if (proto.has_target()) view.camera.target = FromProto(proto.target());
-  if (proto.has_up()) view.camera.up = FromProto(proto.up());
-  if (proto.has_fov_y_deg()) view.camera.fov_y_deg = proto.fov_y_deg();
+  View view{.camera = CameraFromProto(proto)};
   if (proto.has_aspect()) view.aspect = double{proto.aspect()};
   if (absl::Status status = CheckView(view); !status.ok()) return status;
   return view;

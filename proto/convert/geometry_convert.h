@@ -15,12 +15,16 @@ namespace penumbra {
 
 v1::Vec3 ToProto(Vec3 v);
 Vec3 FromProto(const v1::Vec3& v);
+v1::DVec3 ToProto(DVec3 v);
+DVec3 FromProto(const v1::DVec3& v);
 
 // What an absent Parallelogram field stands for is that field's default in render/scene.
 v1::Parallelogram ToProto(const Parallelogram& patch);
 Parallelogram FromProto(const v1::Parallelogram& patch);
 
 v1::Camera ToProto(const View& view);
+// Without its aspect, and whatever its numbers are.
+Camera CameraFromProto(const v1::Camera& camera);
 // Errors  those of CheckView
 absl::StatusOr<View> FromProto(const v1::Camera& camera);
 

@@ -14,8 +14,11 @@ v1::ArtifactSpec ToProto(const ArtifactSpec& spec);
 
 // Parameters are taken as they are: the technique checks them.
 //
-// Errors  kInvalidArgument UNKNOWN_TECHNIQUE: none, or one of a later protocol; BAD_ID
+// Errors  kInvalidArgument UNKNOWN_TECHNIQUE: none, or one of a later protocol; BAD_ID; those of
+//         CheckTarget and CheckTimeBudget
 absl::StatusOr<ArtifactSpec> FromProto(const v1::ArtifactSpec& spec);
+// What the spec's technique computes for. Errors  kInvalidArgument UNKNOWN_TECHNIQUE, RANGE
+absl::StatusOr<SpecTarget> TargetOf(const v1::ArtifactSpec& spec);
 
 v1::TechniqueInfo ToProto(const TechniqueInfo& info);
 

@@ -1,21 +1,18 @@
-// Tiles of soft shadow textures: 64 × 64 texels, packed and unpacked without loss.
+// Tiles of shadow texels: 64 × 64 texels, packed and unpacked without loss.
 //
 //   TileEncoder encoder;
-//   v1::Tile tile = encoder.Encode(texture, column, row);
+//   v1::Tile tile = encoder.Encode(texels, column, row);
 //   TileDecoder decoder;
-//   absl::Status status = decoder.Decode(tile, texture_of_the_same_size);
+//   absl::Status status = decoder.Decode(tile, texels_of_the_same_size);
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "penumbra/v1/artifact.pb.h"
-#include "render/artifact/soft_shadow_texture.h"
-
-struct ZSTD_CCtx_s;
-struct ZSTD_DCtx_s;
+#include "proto/convert/plane_codec.h"
+#include "render/artifact/shadow_texels.h"
 
 namespace penumbra {
 
@@ -37,55 +34,47 @@ struct TileRect {
   size_t texels() const { return size_t{width} * height; }
 };
 
-inline TileGrid GridOf(const SoftShadowTexture& texture) {
-  return {texture.visibility.width, texture.visibility.height};
+inline TileGrid GridOf(const ShadowTexels& texels) {
+  return {texels.visibility.width, texels.visibility.height};
 }
 
 // Whether radiance, if any, is told in the same codes.
-bool HaveSameRadianceFormat(const SoftShadowTexture& a, const SoftShadowTexture& b);
+bool HaveSameRadianceFormat(const ShadowTexels& a, const ShadowTexels& b);
 
-// Whether a tile means the same in two textures of one size with the same planes: the same texels,
+// Whether a tile means the same in two grids of one size with the same planes: the same texels,
 // or none visible in both, or all visible in both whatever the sample counts.
-bool TilesEqual(const SoftShadowTexture& a, const SoftShadowTexture& b, uint32_t column,
-                uint32_t row);
+bool TilesEqual(const ShadowTexels& a, const ShadowTexels& b, uint32_t column, uint32_t row);
 
 // Takes over the texels of `from`, of the same size and planes. Where sample counts differ, tiles
 // that are all or none visible stay so, and others mean nothing.
-void CopyTiles(const SoftShadowTexture& from, SoftShadowTexture& to);
+void CopyTiles(const ShadowTexels& from, ShadowTexels& to);
 
 // Keeps its compressor's memory from tile to tile. One thread at a time.
 class TileEncoder {
  public:
-  TileEncoder();
-  v1::Tile Encode(const SoftShadowTexture& texture, uint32_t column, uint32_t row);
+  v1::Tile Encode(const ShadowTexels& texels, uint32_t column, uint32_t row);
 
  private:
   void GatherRadiance(const RadianceTexture& radiance, const TileRect& rect);
-  // Packs `plane_`, and leaves it as it is where that is shorter.
-  v1::Codec Pack(std::string& packed);
 
-  std::unique_ptr<ZSTD_CCtx_s, size_t (*)(ZSTD_CCtx_s*)> zstd_;
+  PlanePacker packer_;
   std::vector<char> plane_;
 };
 
 // Keeps its decompressor's memory from tile to tile. One thread at a time.
 class TileDecoder {
  public:
-  TileDecoder();
-  // Writes a tile's texels into `texture`, whose size, sample count and planes are set.
+  // Writes a tile's texels into `texels`, whose size, sample count and planes are set.
   //
-  // Errors  kInvalidArgument RANGE, CODEC, LENGTH; `texture` may then hold a part of the tile
-  absl::Status Decode(const v1::Tile& tile, SoftShadowTexture& texture);
+  // Errors  kInvalidArgument RANGE, CODEC, LENGTH; `texels` may then hold a part of the tile
+  absl::Status Decode(const v1::Tile& tile, ShadowTexels& texels);
 
  private:
-  absl::Status DecodeCounts(const v1::Tile& tile, const TileRect& rect, SoftShadowTexture& texture);
+  absl::Status DecodeCounts(const v1::Tile& tile, const TileRect& rect, ShadowTexels& texels);
   absl::Status DecodeRadiance(const v1::Tile& tile, const TileRect& rect,
                               RadianceTexture& radiance);
-  // Unpacks into `plane_`, which must come out `size` bytes long.
-  absl::Status Unpack(v1::Codec codec, const std::string& packed, size_t size, const char* name);
 
-  std::unique_ptr<ZSTD_DCtx_s, size_t (*)(ZSTD_DCtx_s*)> zstd_;
-  std::vector<char> plane_;
+  PlaneUnpacker unpacker_;
 };
 
 }  // namespace penumbra

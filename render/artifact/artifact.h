@@ -8,7 +8,9 @@
 #include <variant>
 #include <vector>
 
+#include "render/artifact/attenuation_ldi.h"
 #include "render/artifact/soft_shadow_texture.h"
+#include "render/artifact/view_shadow.h"
 #include "render/scene/content_hash.h"
 #include "render/scene/light_sample.h"
 #include "render/scene/scene.h"
@@ -21,7 +23,7 @@ struct ArtifactHeader {
   ContentHash scene_hash;  // of the same
   std::string technique;   // its name, "soft_texture"
   std::string light_id;
-  std::string receiver_id;
+  std::string receiver_id;                        // empty where the technique takes none
   std::map<std::string, std::string> parameters;  // effective ones, as text
   std::vector<LightSample> light_samples;         // those counted so far, in order
   uint32_t samples_requested = 0;                 // how many the last pass will have counted
@@ -34,19 +36,29 @@ struct ArtifactHeader {
 };
 
 // One alternative for each kind of artifact.
-using ArtifactPayload = std::variant<SoftShadowTexture>;
+using ArtifactPayload = std::variant<SoftShadowTexture, AttenuationLdi, ViewShadow>;
 
 struct Artifact {
   ArtifactHeader header;
   ArtifactPayload payload;
 };
 
-// The fraction of the light visible at `point`, in [0, 1]: the texel that holds the point's
-// parallel projection onto the receiver, clamped to the grid. `normal` is not used by textures.
+// The texels of artifacts that are a grid of them; null for others.
+const ShadowTexels* TexelsOf(const ArtifactPayload& payload);
+ShadowTexels* TexelsOf(ArtifactPayload& payload);
+
+// The light that the artifact is about.
+const AreaLight& LightOf(const ArtifactPayload& payload);
+
+// The fraction of the light visible at `point`, in [0, 1]. A texture has it at the texel that holds
+// the point's parallel projection onto the receiver, clamped to the grid, a picture at the pixel
+// where the camera sees the point, clamped to its part; `normal`, of length 1, is not used by
+// either.
+// Lightmaps and given points are not told apart by place: 0.
 float Visibility(const Artifact& artifact, Vec3 point, Vec3 normal);
 
-// Whether the centre of that texel lies on the receiver; elsewhere Visibility is that of a texel
-// nearby, or 0.
+// Whether the centre of that texel or pixel is the receiver's, or a surface's; elsewhere Visibility
+// is that of a texel nearby, or 0.
 bool Covers(const Artifact& artifact, Vec3 point);
 
 }  // namespace penumbra

@@ -5,16 +5,6 @@
 
 namespace penumbra {
 
-void RoundTo(RadianceFormat format, float scale, RadianceTexture& radiance) {
-  radiance.format = format;
-  radiance.scale = IsUnorm(format) ? scale : 1.0f;
-  if (format == RadianceFormat::kFloat32) return;
-  const RadianceCodec codec(format, radiance.scale);
-  for (Vec3& texel : radiance.texels) {
-    for (int c = 0; c < 3; ++c) texel[c] = codec.Decode(codec.Encode(texel[c]));
-  }
-}
-
 RadianceTexture ReflectedRadiance(const SoftShadowTexture& texture, const ProductOptions& options,
                                   const std::stop_token& stop) {
   const VisibilityMap& visibility = texture.visibility;

@@ -84,7 +84,10 @@ absl::Status LiveScene::ReportView(const std::string& viewer, const std::optiona
 
 void LiveScene::ShareViews(Channel& channel, const Scene& scene) const {
   double share = 0;
-  if (!views_.empty()) {
+  if (InfoOf(channel.spec().params).target != SpecTarget::kReceiver) {
+    // It may show anywhere in everybody's picture.
+    share = static_cast<double>(views_.size());
+  } else if (!views_.empty()) {
     const auto receiver = scene.ResolveReceiver(channel.spec().receiver_id);
     if (receiver.ok()) {
       for (const auto& [viewer, view] : views_) share += ViewedShare(view, receiver->patch);

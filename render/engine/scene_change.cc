@@ -5,13 +5,16 @@
 namespace penumbra {
 namespace {
 
-bool CastTheSameShadow(const Instance& a, const Instance& b) {
-  if (!a.casts && !b.casts) return true;
+bool HaveTheSameSurface(const Instance& a, const Instance& b) {
   const bool same_mask = a.alpha_mask == b.alpha_mask ||
                          (a.alpha_mask && b.alpha_mask && a.alpha_mask->id() == b.alpha_mask->id());
   const bool same_cutoff = a.alpha_cutoff == b.alpha_cutoff || !a.alpha_mask;
   return a.casts == b.casts && a.mesh->id() == b.mesh->id() &&
          a.world_from_mesh == b.world_from_mesh && same_mask && same_cutoff;
+}
+
+bool CastTheSameShadow(const Instance& a, const Instance& b) {
+  return (!a.casts && !b.casts) || HaveTheSameSurface(a, b);
 }
 
 bool SameLight(const Scene& before, const Scene& after, const std::string& id) {
@@ -48,6 +51,8 @@ bool SceneChange::Affects(const ArtifactSpec& spec, KnownShadowRegion& region) {
   if (takes_all ? !SameLights(before_, after_) : !SameLight(before_, after_, spec.light_id)) {
     return true;
   }
+  // What lies outside of a light's reach is not told apart here, and what does not cast is seen.
+  if (InfoOf(spec.params).target != SpecTarget::kReceiver) return ChangesSurfaces();
   const bool is_same_receiver = SharesReceiver(before_, after_, spec.receiver_id);
   const std::vector<Aabb>& changed = ChangedCasterBounds();
   if (is_same_receiver && changed.empty()) return false;
@@ -68,6 +73,17 @@ bool SceneChange::Affects(const ArtifactSpec& spec, KnownShadowRegion& region) {
     });
   }
   return meets(region.Between(after_.FindLight(spec.light_id), patch_after->patch));
+}
+
+bool SceneChange::ChangesSurfaces() const {
+  const auto changes = [&](const std::string& id) {
+    const auto a = before_.FindInstance(id);
+    const auto b = after_.FindInstance(id);
+    return !a || !b || (a != b && !HaveTheSameSurface(*a, *b));
+  };
+  return std::any_of(delta_.upsert_instances.begin(), delta_.upsert_instances.end(),
+                     [&](const Instance& instance) { return changes(instance.id); }) ||
+         std::any_of(delta_.remove_instances.begin(), delta_.remove_instances.end(), changes);
 }
 
 const std::vector<Aabb>& SceneChange::ChangedCasterBounds() {

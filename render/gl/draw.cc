@@ -18,9 +18,9 @@ void SetArea(const DrawCall& call) {
 }
 
 void SetCombine(Combine combine) {
-  if (combine == Combine::kAdd) {
+  if (combine == Combine::kAdd || combine == Combine::kGreater) {
     glEnable(GL_BLEND);
-    glBlendEquation(GL_FUNC_ADD);
+    glBlendEquation(combine == Combine::kAdd ? GL_FUNC_ADD : GL_MAX);
     glBlendFunc(GL_ONE, GL_ONE);
   } else {
     glDisable(GL_BLEND);

@@ -16,9 +16,9 @@ namespace penumbra::gl {
 
 enum class DepthTest { kNone, kNearer, kNearerOrEqual };
 
-// What becomes of the colour that is there: replaced, added to (floats), or united with bit by bit
-// (whole numbers).
-enum class Combine { kReplace, kAdd, kOr };
+// What becomes of the colour that is there: replaced, added to (floats), the greater of both kept
+// (floats), or united with bit by bit (whole numbers).
+enum class Combine { kReplace, kAdd, kGreater, kOr };
 
 // Pixels of a target; `y` counts from the bottom.
 struct PixelArea {

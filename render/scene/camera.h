@@ -16,6 +16,8 @@ struct Camera {
   Vec3 target{0.0f};
   Vec3 up{0, 1, 0};         // any length > 0; when it points along the view another is taken
   float fov_y_deg = 40.0f;  // the whole vertical opening, (0, 180)
+
+  friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 // Errors  kInvalidArgument, field paths "camera.eye" and so on: not finite, eye at target, RANGE

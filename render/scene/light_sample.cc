@@ -2,26 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "render/math/basis.h"
+#include "render/math/concentric_disk.h"
 #include "render/scene/jittered_grid.h"
 
 namespace penumbra {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-// From the unit square to the unit disc, area for area.
-// Source  Shirley and Chiu 1997, concentric map
-DVec2 ConcentricDisk(DVec2 square) {
-  const DVec2 p = 2.0 * square - 1.0;
-  if (p.x == 0 && p.y == 0) return DVec2(0.0);
-  const bool wide = std::abs(p.x) > std::abs(p.y);
-  const double radius = wide ? p.x : p.y;
-  const double angle = wide ? kPi / 4 * (p.y / p.x) : kPi / 2 - kPi / 4 * (p.x / p.y);
-  return radius * DVec2(std::cos(angle), std::sin(angle));
-}
 
 struct Place {
   DVec2 square;

@@ -1,77 +1,50 @@
 #include "render/scene/scene_hash.h"
 
-#include <span>
 #include <string>
 #include <variant>
+
+#include "render/scene/hashed_bytes.h"
 
 namespace penumbra {
 namespace {
 
-// The bytes by which an object counts in a scene's hash. −0 is written as 0.
-class Bytes {
- public:
-  void Put(const std::string& text) {
-    Put(static_cast<uint32_t>(text.size()));
-    Append(text.data(), text.size());
-  }
-  void Put(const ContentHash& hash) { Append(hash.bytes.data(), hash.bytes.size()); }
-  void Put(float x) {
-    x += 0.0f;
-    Append(&x, sizeof(x));
-  }
-  void Put(Vec3 v) {
-    for (int c = 0; c < 3; ++c) Put(v[c]);
-  }
-  void Put(uint32_t x) { Append(&x, sizeof(x)); }
-  void Put(bool x) { Put(uint32_t{x}); }
-
-  ContentHash Hash() const { return Sha256(std::as_bytes(std::span(bytes_))); }
-
- private:
-  void Append(const void* data, size_t size) {
-    bytes_.append(static_cast<const char*>(data), size);
-  }
-
-  std::string bytes_;
-};
-
-void PutShape(Bytes& out, const RectangleLight& s) {
+void PutShape(HashedBytes& out, const RectangleLight& s) {
   for (const Vec3& v : {s.corner, s.edge_u, s.edge_v, s.radiance}) out.Put(v);
   out.Put(s.two_sided);
 }
-void PutShape(Bytes& out, const DiskLight& s) {
+void PutShape(HashedBytes& out, const DiskLight& s) {
   for (const Vec3& v : {s.center, s.normal, s.radiance}) out.Put(v);
   out.Put(s.radius);
   out.Put(s.two_sided);
 }
-void PutShape(Bytes& out, const SphereLight& s) {
+void PutShape(HashedBytes& out, const SphereLight& s) {
   for (const Vec3& v : {s.center, s.radiance}) out.Put(v);
   out.Put(s.radius);
 }
-void PutShape(Bytes& out, const PointLight& s) {
+void PutShape(HashedBytes& out, const PointLight& s) {
   for (const Vec3& v : {s.position, s.intensity}) out.Put(v);
 }
-void PutShape(Bytes& out, const SpotLight& s) {
+void PutShape(HashedBytes& out, const SpotLight& s) {
   for (const Vec3& v : {s.position, s.direction, s.intensity}) out.Put(v);
   out.Put(s.inner_angle);
   out.Put(s.outer_angle);
 }
-void PutShape(Bytes& out, const DistantLight& s) {
+void PutShape(HashedBytes& out, const DistantLight& s) {
   for (const Vec3& v : {s.to_light, s.irradiance}) out.Put(v);
   out.Put(s.angular_diameter);
 }
-void PutShape(Bytes& out, const Parallelogram& s) {
+void PutShape(HashedBytes& out, const Parallelogram& s) {
   for (const Vec3& v : {s.origin, s.edge_u, s.edge_v}) out.Put(v);
 }
-void PutShape(Bytes& out, const PlanarInstance& s) { out.Put(s.instance_id); }
-void PutShape(Bytes& out, const Triangle& s) {
+void PutShape(HashedBytes& out, const PlanarInstance& s) { out.Put(s.instance_id); }
+void PutShape(HashedBytes& out, const Triangle& s) {
   for (const Vec3& v : {s.corner, s.edge_u, s.edge_v}) out.Put(v);
 }
-void PutShape(Bytes& out, const PlanarPolygon& s) {
+void PutShape(HashedBytes& out, const PlanarPolygon& s) {
   out.Put(static_cast<uint32_t>(s.vertices.size()));
   for (const Vec3& v : s.vertices) out.Put(v);
 }
-void PutShape(Bytes& out, const PlanarSurface& s) {
+void PutShape(HashedBytes& out, const PlanarSurface& s) {
   out.Put(s.instance_id);
   out.Put(s.triangle);
 }
@@ -79,7 +52,7 @@ void PutShape(Bytes& out, const PlanarSurface& s) {
 }  // namespace
 
 ContentHash HashOf(const Instance& instance) {
-  Bytes out;
+  HashedBytes out;
   out.Put(uint32_t{'I'});
   out.Put(instance.id);
   out.Put(instance.mesh->id());
@@ -94,7 +67,7 @@ ContentHash HashOf(const Instance& instance) {
 }
 
 ContentHash HashOf(const AreaLight& light) {
-  Bytes out;
+  HashedBytes out;
   out.Put(uint32_t{'L'});
   out.Put(light.id);
   out.Put(static_cast<uint32_t>(light.shape.index()));
@@ -103,7 +76,7 @@ ContentHash HashOf(const AreaLight& light) {
 }
 
 ContentHash HashOf(const Receiver& receiver) {
-  Bytes out;
+  HashedBytes out;
   out.Put(uint32_t{'R'});
   out.Put(receiver.id);
   out.Put(static_cast<uint32_t>(receiver.shape.index()));

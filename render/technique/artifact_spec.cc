@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "render/scene/field_error.h"
+#include "render/scene/scene.h"
 
 namespace penumbra {
 namespace {
@@ -24,6 +25,27 @@ std::string KeyOf(const SoftTextureParams& params) {
                       KeyOfShading(params));
 }
 
+std::string KeyOf(const LayeredAttenuationParams& params) {
+  return absl::StrFormat("%d %d %d %a %d %d %d", params.samples, params.seed, params.resolution,
+                         params.tolerance, static_cast<int>(params.source), params.key_views,
+                         params.max_layers);
+}
+
+std::string KeyOf(const CoherentRaytraceParams& params) {
+  return absl::StrFormat("%d %d %d %d %d %d %d %d %a %d %a %a", params.samples, params.seed,
+                         static_cast<int>(params.backend), params.radiance,
+                         static_cast<int>(params.output), params.coherence, params.whole_light,
+                         params.ray_accelerations, params.prediction_distance, params.resolution,
+                         params.gap_bias, params.shadow_bias);
+}
+
+std::string NameOf(const ArtifactSpec& spec) { return std::string(InfoOf(spec.params).name); }
+
+absl::Status Unexpected(const ArtifactSpec& spec, std::string_view field) {
+  return FieldError(absl::StatusCode::kInvalidArgument, "UNEXPECTED_FIELD", field,
+                    absl::StrCat("found one, need none for ", NameOf(spec)));
+}
+
 }  // namespace
 
 absl::Status CheckTimeBudget(const ArtifactSpec& spec) {
@@ -32,11 +54,22 @@ absl::Status CheckTimeBudget(const ArtifactSpec& spec) {
                     absl::StrCat("found ", spec.time_budget_ms, ", need a number >= 0"));
 }
 
+absl::Status CheckTarget(const ArtifactSpec& spec, const SceneLimits& limits) {
+  const SpecTarget target = InfoOf(spec.params).target;
+  if (target != SpecTarget::kPoints && spec.points) return Unexpected(spec, "points");
+  if (target == SpecTarget::kReceiver) return CheckId(spec.receiver_id, "receiver_id");
+  if (!spec.receiver_id.empty()) return Unexpected(spec, "receiver_id");
+  if (target == SpecTarget::kScene) return absl::OkStatus();
+  if (spec.points) return WithFieldPrefix(Check(*spec.points, limits), "points.");
+  return FieldError(
+      absl::StatusCode::kInvalidArgument, "MISSING_FIELD", "points",
+      absl::StrCat("found none, need a picture, a lightmap or points for ", NameOf(spec)));
+}
+
 // Ids hold no blanks, so that the parts cannot run into each other.
 std::string SpecKey(const ArtifactSpec& spec) {
-  const std::string_view name = InfoOf(spec.params).name;
-  return absl::StrCat(absl::string_view(name.data(), name.size()), " ", spec.light_id, " ",
-                      spec.receiver_id, " ", spec.time_budget_ms, " ",
+  return absl::StrCat(NameOf(spec), " ", spec.light_id, " ", spec.receiver_id, " ",
+                      spec.time_budget_ms, " ", spec.points ? HashOf(*spec.points).hex() : "", " ",
                       std::visit([](const auto& params) { return KeyOf(params); }, spec.params));
 }
 

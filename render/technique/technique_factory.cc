@@ -1,5 +1,7 @@
 #include <type_traits>
 
+#include "render/technique/coherent_raytrace/coherent_raytrace.h"
+#include "render/technique/layered_attenuation/layered_attenuation.h"
 #include "render/technique/soft_texture/soft_texture.h"
 #include "render/technique/technique.h"
 
@@ -8,6 +10,14 @@ namespace {
 
 const Technique& InstanceFor(const SoftTextureParams&) {
   static const SoftTexture technique;
+  return technique;
+}
+const Technique& InstanceFor(const LayeredAttenuationParams&) {
+  static const LayeredAttenuation technique;
+  return technique;
+}
+const Technique& InstanceFor(const CoherentRaytraceParams&) {
+  static const CoherentRaytrace technique;
   return technique;
 }
 

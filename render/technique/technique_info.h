@@ -1,6 +1,7 @@
 // What a technique says of itself.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string_view>
 
@@ -14,11 +15,19 @@ struct ParameterInfo {
   std::string_view meaning;
 };
 
+// What a technique computes for.
+enum class SpecTarget : uint8_t {
+  kReceiver,  // a receiver of the scene, that lies in a plane
+  kScene,     // all surfaces at once
+  kPoints,    // points on surfaces (render/scene/point_receiver.h)
+};
+
 struct TechniqueInfo {
   std::string_view name;           // "soft_texture"
   std::string_view summary;        // one sentence
   std::string_view artifact_kind;  // "soft_shadow_texture"
-  std::string_view source;         // the paper
+  SpecTarget target = SpecTarget::kReceiver;
+  std::string_view source;  // the paper
   std::span<const ParameterInfo> parameters;
 };
 

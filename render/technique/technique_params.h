@@ -8,12 +8,15 @@
 #include <variant>
 #include <vector>
 
+#include "render/technique/coherent_raytrace/coherent_raytrace_params.h"
+#include "render/technique/layered_attenuation/layered_attenuation_params.h"
 #include "render/technique/soft_texture/soft_texture_params.h"
 #include "render/technique/technique_info.h"
 
 namespace penumbra {
 
-using TechniqueParams = std::variant<SoftTextureParams>;
+using TechniqueParams =
+    std::variant<SoftTextureParams, LayeredAttenuationParams, CoherentRaytraceParams>;
 
 inline const TechniqueInfo& InfoOf(const TechniqueParams& params) {
   return std::visit(

@@ -22,56 +22,79 @@ grpc::Slice Bytes(const v1::ArtifactUpdate& fields) {
 }
 
 // Whether the two can be compared tile by tile.
-bool HaveSameGrid(const SoftShadowTexture& a, const SoftShadowTexture& b) {
+bool HaveSameGrid(const ShadowTexels& a, const ShadowTexels& b) {
   return a.visibility.width == b.visibility.width && a.visibility.height == b.visibility.height &&
          HaveSameRadianceFormat(a, b);
 }
 
+// Calls encode(i) for each of `count` tiles, on several threads where they are many.
+template <typename Encode>
+void ForEachTile(size_t count, Encode encode) {
+  ParallelForRange(tbb::blocked_range<size_t>(0, count, kTilesPerTask),
+                   [&](const tbb::blocked_range<size_t>& range) {
+                     for (size_t i = range.begin(); i < range.end(); ++i) encode(i);
+                   });
+}
+
 }  // namespace
 
-void ArtifactEncoder::EncodeTiles(const SoftShadowTexture& texture, const EncodedArtifact* previous,
-                                  EncodedArtifact& encoded) {
-  const TileGrid grid = GridOf(texture);
-  const auto* before =
-      previous ? &std::get<SoftShadowTexture>(previous->artifact->payload) : nullptr;
-  if (before && !HaveSameGrid(*before, texture)) before = nullptr;
+void ArtifactEncoder::EncodeTexels(const ShadowTexels& texels, const EncodedArtifact* previous,
+                                   EncodedArtifact& encoded) {
+  const TileGrid grid = GridOf(texels);
+  const ShadowTexels* before = previous ? TexelsOf(previous->artifact->payload) : nullptr;
+  if (before && !HaveSameGrid(*before, texels)) before = nullptr;
   encoded.tiles.resize(grid.tile_count());
-  const auto encode_tile = [&](size_t i) {
+  ForEachTile(grid.tile_count(), [&](size_t i) {
     const auto column = static_cast<uint32_t>(i % grid.columns());
     const auto row = static_cast<uint32_t>(i / grid.columns());
-    if (before && TilesEqual(*before, texture, column, row)) {
+    if (before && TilesEqual(*before, texels, column, row)) {
       encoded.tiles[i] = previous->tiles[i];
       return;
     }
     v1::ArtifactUpdate field;
-    *field.add_tiles() = tile_encoders_.local().Encode(texture, column, row);
+    *field.add_tiles() = packers_.local().texels.Encode(texels, column, row);
     encoded.tiles[i] = {encoded.sequence, Bytes(field)};
-  };
-  ParallelForRange(tbb::blocked_range<size_t>(0, encoded.tiles.size(), kTilesPerTask),
-                   [&](const tbb::blocked_range<size_t>& range) {
-                     for (size_t i = range.begin(); i < range.end(); ++i) encode_tile(i);
-                   });
+  });
+  EncodeCoverage(texels, previous, encoded);
 }
 
-void ArtifactEncoder::EncodeCoverage(const SoftShadowTexture& texture,
-                                     const EncodedArtifact* previous, EncodedArtifact& encoded) {
-  if (texture.coverage == nullptr) return;
-  const auto* before =
-      previous ? std::get<SoftShadowTexture>(previous->artifact->payload).coverage.get() : nullptr;
-  if (before && (before->width() != texture.coverage->width() ||
-                 before->height() != texture.coverage->height())) {
+void ArtifactEncoder::EncodeCoverage(const ShadowTexels& texels, const EncodedArtifact* previous,
+                                     EncodedArtifact& encoded) {
+  if (texels.coverage == nullptr) return;
+  const ShadowTexels* texels_before = previous ? TexelsOf(previous->artifact->payload) : nullptr;
+  const CoverageMask* before = texels_before ? texels_before->coverage.get() : nullptr;
+  if (before && (before->width() != texels.coverage->width() ||
+                 before->height() != texels.coverage->height())) {
     before = nullptr;
   }
-  const size_t first = GridOf(texture).tile_count();
-  for (uint32_t index = 0; index < CoveragePartCount(*texture.coverage); ++index) {
-    if (before && CoveragePartsEqual(*before, *texture.coverage, index)) {
+  const size_t first = GridOf(texels).tile_count();
+  for (uint32_t index = 0; index < CoveragePartCount(*texels.coverage); ++index) {
+    if (before && CoveragePartsEqual(*before, *texels.coverage, index)) {
       encoded.tiles.push_back(previous->tiles[first + index]);
       continue;
     }
     v1::ArtifactUpdate field;
-    *field.add_coverage() = EncodePart(*texture.coverage, index);
+    *field.add_coverage() = EncodePart(*texels.coverage, index);
     encoded.tiles.push_back({encoded.sequence, Bytes(field)});
   }
+}
+
+void ArtifactEncoder::EncodeLayers(const AttenuationLdi& ldi, const EncodedArtifact* previous,
+                                   EncodedArtifact& encoded) {
+  const std::vector<LdiTilePlace> places = LdiTilesOf(ldi);
+  const auto* before =
+      previous ? std::get_if<AttenuationLdi>(&previous->artifact->payload) : nullptr;
+  if (before && !HaveSameFaces(*before, ldi)) before = nullptr;
+  encoded.tiles.resize(places.size());
+  ForEachTile(places.size(), [&](size_t i) {
+    if (before && LdiTilesEqual(*before, ldi, places[i])) {
+      encoded.tiles[i] = previous->tiles[i];
+      return;
+    }
+    v1::ArtifactUpdate field;
+    *field.add_ldi_tiles() = packers_.local().layers.Encode(ldi, places[i]);
+    encoded.tiles[i] = {encoded.sequence, Bytes(field)};
+  });
 }
 
 std::shared_ptr<const EncodedArtifact> ArtifactEncoder::Encode(
@@ -90,12 +113,11 @@ std::shared_ptr<const EncodedArtifact> ArtifactEncoder::Encode(
     encoded->light_samples_changed_at = sequence;
     encoded->light_samples = Bytes(samples);
   }
-  std::visit(
-      [&](const auto& payload) {
-        EncodeTiles(payload, previous, *encoded);
-        EncodeCoverage(payload, previous, *encoded);
-      },
-      artifact->payload);
+  if (const ShadowTexels* texels = TexelsOf(artifact->payload)) {
+    EncodeTexels(*texels, previous, *encoded);
+  } else {
+    EncodeLayers(std::get<AttenuationLdi>(artifact->payload), previous, *encoded);
+  }
   encoded->artifact = std::move(artifact);
   return encoded;
 }

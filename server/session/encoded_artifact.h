@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "grpcpp/support/slice.h"
+#include "proto/convert/ldi_codec.h"
 #include "proto/convert/tile_codec.h"
 #include "render/artifact/artifact.h"
 #include "tbb/enumerable_thread_specific.h"
@@ -42,12 +43,18 @@ class ArtifactEncoder {
                                                 uint64_t sequence);
 
  private:
-  void EncodeTiles(const SoftShadowTexture& texture, const EncodedArtifact* previous,
-                   EncodedArtifact& encoded);
-  static void EncodeCoverage(const SoftShadowTexture& texture, const EncodedArtifact* previous,
+  void EncodeTexels(const ShadowTexels& texels, const EncodedArtifact* previous,
+                    EncodedArtifact& encoded);
+  static void EncodeCoverage(const ShadowTexels& texels, const EncodedArtifact* previous,
                              EncodedArtifact& encoded);
+  void EncodeLayers(const AttenuationLdi& ldi, const EncodedArtifact* previous,
+                    EncodedArtifact& encoded);
 
-  tbb::enumerable_thread_specific<TileEncoder> tile_encoders_;
+  struct Packers {
+    TileEncoder texels;
+    LdiTileEncoder layers;
+  };
+  tbb::enumerable_thread_specific<Packers> packers_;
 };
 
 }  // namespace penumbra

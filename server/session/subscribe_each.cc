@@ -41,6 +41,18 @@ absl::StatusOr<std::vector<std::string>> IdsAmong(const Ids& wanted, const Scene
   return ids;
 }
 
+// What each light's subscriptions are about: receivers, or, of a technique that computes for
+// something else, an empty id.
+absl::StatusOr<std::vector<std::string>> ReceiversOf(const v1::SubscribeEach& request,
+                                                     SpecTarget target, const Scene& scene) {
+  if (target == SpecTarget::kReceiver) {
+    return IdsAmong(request.receiver_ids(), scene.receivers(), "receiver_ids");
+  }
+  if (request.receiver_ids().empty()) return std::vector<std::string>{""};
+  return FieldError(absl::StatusCode::kInvalidArgument, "UNEXPECTED_FIELD", "receiver_ids",
+                    "found some, need none for this technique");
+}
+
 }  // namespace
 
 void Session::OnSubscribeEach(const v1::SubscribeEach& request) {
@@ -97,7 +109,9 @@ absl::StatusOr<std::vector<std::unique_ptr<SubscriptionFeed>>> Session::MakeFeed
   if (!scene.ok()) return scene.status();
   const auto lights = IdsAmong(request.light_ids(), (*scene)->lights(), "light_ids");
   if (!lights.ok()) return lights.status();
-  const auto receivers = IdsAmong(request.receiver_ids(), (*scene)->receivers(), "receiver_ids");
+  const auto target = TargetOf(request.technique());
+  if (!target.ok()) return target.status();
+  const auto receivers = ReceiversOf(request, *target, **scene);
   if (!receivers.ok()) return receivers.status();
   const uint64_t first_id = request.first_subscription_id();
   if (auto status = CheckRoom(first_id, lights->size() * receivers->size()); !status.ok()) {

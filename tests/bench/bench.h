@@ -24,6 +24,7 @@ struct BenchOptions {
   int threads = 2;           // for us and for the peer
   double min_seconds = 2.0;  // that a case measures for, both sides together
   std::string ply;           // a mesh for cases that take one; empty: a generated one
+  std::string pictures;      // a folder for pictures of where errors are; empty: none are written
 };
 
 using Suite = std::vector<Row> (*)(const BenchOptions&);
@@ -35,7 +36,11 @@ std::vector<Row> MethodsSuite(const BenchOptions& options);
 std::vector<Row> GrowthSuite(const BenchOptions& options);
 std::vector<Row> RadianceSuite(const BenchOptions& options);
 std::vector<Row> ServiceSuite(const BenchOptions& options);
+std::vector<Row> CoherentRaytraceSuite(const BenchOptions& options);
 std::vector<Row> GlSuite(const BenchOptions& options);
+std::vector<Row> LightViewSuite(const BenchOptions& options);
+
+std::vector<Row> LayeredAttenuationSuite(const BenchOptions& options);
 
 // What tells how soon shadows follow a drag; a part of SoftTextureSuite.
 std::vector<Row> DragRows(const BenchOptions& options);

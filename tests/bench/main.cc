@@ -29,8 +29,11 @@ constexpr NamedSuite kSuites[] = {{"soft_texture", SoftTextureSuite},
                                   {"methods", MethodsSuite, true},
                                   {"growth", GrowthSuite, true},
                                   {"radiance", RadianceSuite},
+                                  {"layered_attenuation", LayeredAttenuationSuite},
+                                  {"coherent_raytrace", CoherentRaytraceSuite},
                                   {"service", ServiceSuite},
-                                  {"gl", GlSuite}};
+                                  {"gl", GlSuite},
+                                  {"light_view", LightViewSuite}};
 
 void Print(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
@@ -85,6 +88,8 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 600.0))
       ->capture_default_str();
   app.add_option("--ply", options.ply, "Mesh for soft_texture.dragon; a generated one if absent");
+  app.add_option("--pictures", options.pictures,
+                 "Folder for pictures of where layered_attenuation is off; none if absent");
   CLI11_PARSE(app, argc, argv);
 
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,

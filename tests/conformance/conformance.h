@@ -25,7 +25,8 @@ struct Stage {
   SceneDelta delta() const;
 };
 
-// The visible fraction at each texel centre of the receiver, row after row.
+// The visible fraction at each texel centre of the receiver, row after row. An artifact of given
+// points must be of these.
 std::vector<float> VisibilityGrid(const Scene& scene, const Artifact& artifact);
 
 // Parameter: an index into EnginesUnderTest() and one into AllTechniques().
@@ -34,13 +35,20 @@ class ConformanceTest : public ::testing::TestWithParam<std::tuple<size_t, size_
   ConformanceTest();
 
   TechniqueParams params(uint32_t samples = 64, uint64_t seed = 1) const;
-  ArtifactSpec Spec(uint32_t samples = 64, uint64_t seed = 1) const;
+  SpecTarget target() const { return InfoOf(params()).target; }
+  // Of the light and the receiver, or what stands for the receiver: its texels' centres as points.
+  ArtifactSpec Spec(const std::string& scene_id, uint32_t samples = 64, uint64_t seed = 1) const;
 
   // Of a new scene that holds `stage` and nothing else.
   std::vector<float> Visibilities(const Stage& stage, uint32_t samples = 64, uint64_t seed = 1);
   std::vector<float> Visibilities(const std::string& scene_id, const ArtifactSpec& spec);
   std::shared_ptr<const Artifact> Compute(const std::string& scene_id, const ArtifactSpec& spec);
   std::string NewScene(const SceneDelta& delta);
+
+  // That two grids are of the same shadows. What is sampled in a light's image is the same up to
+  // where pixels lie, within the bounds that tests/accuracy holds it to.
+  void ExpectAlike(const std::vector<float>& a, const std::vector<float>& b, float tolerance,
+                   float differing_part, const std::string& what = "");
 
   const std::shared_ptr<Engine> engine_;
 
@@ -59,6 +67,7 @@ class ConformanceTest : public ::testing::TestWithParam<std::tuple<size_t, size_
 std::string ConformanceName(const std::tuple<size_t, size_t>& param);
 
 float Mean(const std::vector<float>& values);
+float MeanDifference(const std::vector<float>& a, const std::vector<float>& b);
 // The part of the texels at which `a` and `b` are further apart than `tolerance`.
 float DifferingPart(const std::vector<float>& a, const std::vector<float>& b, float tolerance);
 

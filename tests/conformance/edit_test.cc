@@ -36,27 +36,27 @@ TEST_P(EditTest, UndoingDeletingAndAddingAgainLeavesTheSameBits) {
   for (uint64_t seed = 0; seed < kLightKinds; ++seed) {
     const auto wanted = RandomScene(seed);
     const std::string direct = NewScene(Whole(*wanted)), detour = NewScene(Whole(*wanted));
-    const auto grid = Visibilities(direct, Spec());
+    const auto grid = Visibilities(direct, Spec(direct));
     for (const auto& [id, instance] : wanted->instances()) {
       Instance moved = *instance;
       moved.world_from_mesh[3] += Vec3(0.3f, -0.2f, 0.1f);
       Commit(detour, {.upsert_instances = {moved}});
-      if (seed % 2 == 0) Compute(detour, Spec());
+      if (seed % 2 == 0) Compute(detour, Spec(detour));
       Commit(detour, {.upsert_instances = {*instance}});
     }
-    EXPECT_EQ(Visibilities(detour, Spec()), grid) << "moved and moved back, seed " << seed;
+    EXPECT_EQ(Visibilities(detour, Spec(detour)), grid) << "moved and moved back, seed " << seed;
     for (const auto& [id, instance] : wanted->instances()) {
       Commit(detour, {.remove_instances = {id}});
     }
-    Compute(detour, Spec());
+    Compute(detour, Spec(detour));
     for (auto it = wanted->instances().rbegin(); it != wanted->instances().rend(); ++it) {
       Commit(detour, {.upsert_instances = {*it->second}});
     }
-    EXPECT_EQ(Visibilities(detour, Spec()), grid) << "removed and added again, seed " << seed;
+    EXPECT_EQ(Visibilities(detour, Spec(detour)), grid) << "removed and added again, seed " << seed;
     Commit(detour, {.remove_lights = {"light"}, .remove_receivers = {"receiver"}});
     Commit(detour, {.upsert_lights = {*wanted->FindLight("light")},
                     .upsert_receivers = {*wanted->FindReceiver("receiver")}});
-    EXPECT_EQ(Visibilities(detour, Spec()), grid) << "another light and back, seed " << seed;
+    EXPECT_EQ(Visibilities(detour, Spec(detour)), grid) << "another light and back, seed " << seed;
     EXPECT_EQ(Hash(detour), Hash(direct));
   }
 }
@@ -71,19 +71,21 @@ TEST_P(EditTest, TheHeaderSaysWhatWasComputed) {
                    box.id = "occluder0";
                    return box;
                  }()}});
-  const ArtifactHeader header = Compute(scene, Spec(40, 7))->header;
+  const ArtifactHeader header = Compute(scene, Spec(scene, 40, 7))->header;
   EXPECT_EQ(header.scene_id, scene);
   EXPECT_EQ(header.revision, 2u);
   EXPECT_EQ(header.scene_hash, Hash(scene));
   EXPECT_EQ(header.technique, InfoOf(params()).name);
   EXPECT_EQ(header.light_id, "light");
-  EXPECT_EQ(header.receiver_id, "receiver");
+  EXPECT_EQ(header.receiver_id, target() == SpecTarget::kReceiver ? "receiver" : "");
   EXPECT_TRUE(header.is_final);
-  EXPECT_EQ(header.samples_requested, 40u);
-  ASSERT_EQ(header.light_samples.size(), 40u);
+  // Points have samples of their own each, in a square grid.
+  const bool has_common_samples = target() != SpecTarget::kPoints;
+  EXPECT_EQ(header.samples_requested, has_common_samples ? 40u : 36u);
+  ASSERT_EQ(header.light_samples.size(), has_common_samples ? 40u : 0u);
   float weights = 0;
   for (const LightSample& sample : header.light_samples) weights += sample.weight;
-  EXPECT_NEAR(weights, 1, 1e-5);
+  EXPECT_NEAR(weights, has_common_samples ? 1 : 0, 1e-5);
   EXPECT_GE(header.error_estimate, 0);
   EXPECT_LE(header.error_estimate, 0.5f);
 }
@@ -97,11 +99,12 @@ TEST_P(EditTest, ASubscriptionFollowsEdits) {
   std::mutex mutex;
   std::condition_variable came;
   std::vector<ArtifactUpdate> updates;
-  const auto subscription = engine_->Subscribe(scene, Spec(), [&](const ArtifactUpdate& update) {
-    std::lock_guard lock(mutex);
-    updates.push_back(update);
-    came.notify_all();
-  });
+  const auto subscription =
+      engine_->Subscribe(scene, Spec(scene), [&](const ArtifactUpdate& update) {
+        std::lock_guard lock(mutex);
+        updates.push_back(update);
+        came.notify_all();
+      });
   ASSERT_TRUE(subscription.ok()) << subscription.status();
   Revision last = 0;
   Instance box = BoxOver(Vec3(0, 1, 0), Vec3(0.3f));

@@ -57,13 +57,13 @@ TEST_P(ErrorTest, RefusedCommitsLeaveTheSceneAsItWas) {
   ExpectRefused(stale, absl::StatusCode::kAborted, "STALE_BASE", "1");
   stale.base_revision = 7;
   ExpectRefused(stale, absl::StatusCode::kOutOfRange, "FUTURE_BASE", "7");
-  EXPECT_LT(Mean(Visibilities(scene_, Spec())), 1) << "and it still computes";
+  EXPECT_LT(Mean(Visibilities(scene_, Spec(scene_))), 1) << "and it still computes";
 }
 
 TEST_P(ErrorTest, ScenesThatAreNotThereAreNamedAlike) {
   for (const absl::Status& status :
        {engine_->Snapshot("nowhere").status(), engine_->Commit("nowhere", stage_.delta()).status(),
-        ComputeOnce(*engine_, "nowhere", Spec()).status()}) {
+        ComputeOnce(*engine_, "nowhere", Spec("nowhere")).status()}) {
     EXPECT_EQ(status.code(), absl::StatusCode::kNotFound) << status;
     EXPECT_EQ(ErrorReason(status), "UNKNOWN_ID");
     EXPECT_EQ(ErrorFieldPath(status), "scene_id");
@@ -73,18 +73,27 @@ TEST_P(ErrorTest, ScenesThatAreNotThereAreNamedAlike) {
 }
 
 TEST_P(ErrorTest, SpecsThatCannotBeComputed) {
-  ArtifactSpec spec = Spec();
+  ArtifactSpec spec = Spec(scene_);
   spec.light_id = "nobody";
   EXPECT_EQ(ComputeStatus(spec).code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(ComputeStatus(spec).message()), HasSubstr("nobody"));
-  spec = Spec();
+  spec = Spec(scene_);
   spec.receiver_id = "nowhere";
-  EXPECT_EQ(ComputeStatus(spec).code(), absl::StatusCode::kNotFound);
-  EXPECT_THAT(std::string(ComputeStatus(spec).message()), HasSubstr("nowhere"));
-  EXPECT_EQ(ComputeStatus(Spec(0)).code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(ComputeStatus(Spec(0)).message()), HasSubstr("samples"));
-  EXPECT_EQ(ComputeStatus(Spec(100'000)).code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_LT(Mean(Visibilities(scene_, Spec())), 1) << "others are not disturbed";
+  const bool takes_receivers = target() == SpecTarget::kReceiver;
+  EXPECT_EQ(ComputeStatus(spec).code(),
+            takes_receivers ? absl::StatusCode::kNotFound : absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(ComputeStatus(spec).message()),
+              HasSubstr(takes_receivers ? "nowhere" : "receiver_id"));
+  spec = Spec(scene_);
+  spec.points = LightmapTexels{"nowhere", 4, 4};
+  EXPECT_EQ(ComputeStatus(spec).code(), target() == SpecTarget::kPoints
+                                            ? absl::StatusCode::kNotFound
+                                            : absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(ComputeStatus(spec).message()), HasSubstr("points"));
+  EXPECT_EQ(ComputeStatus(Spec(scene_, 0)).code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(ComputeStatus(Spec(scene_, 0)).message()), HasSubstr("samples"));
+  EXPECT_EQ(ComputeStatus(Spec(scene_, 100'000)).code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_LT(Mean(Visibilities(scene_, Spec(scene_))), 1) << "others are not disturbed";
 }
 
 TEST_P(ErrorTest, ScenesThatAreNotThereOrThereTwice) {
@@ -93,7 +102,8 @@ TEST_P(ErrorTest, ScenesThatAreNotThereOrThereTwice) {
   EXPECT_EQ(engine_->DeleteScene("nothing").code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(engine_->Commit("nothing", {}).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(engine_->Snapshot("nothing").status().code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(ComputeOnce(*engine_, "nothing", Spec()).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(ComputeOnce(*engine_, "nothing", Spec("nothing")).status().code(),
+            absl::StatusCode::kNotFound);
   EXPECT_EQ(engine_->ListScenes().value().size(), 1u);
 }
 

@@ -1,5 +1,7 @@
 // What may change without changing the shadows, and how they may change.
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "gtest/gtest.h"
 #include "tests/conformance/conformance.h"
@@ -9,7 +11,11 @@
 namespace penumbra::testing {
 namespace {
 
-class InvariantTest : public ConformanceTest {};
+class InvariantTest : public ConformanceTest {
+ protected:
+  void ExpectNoBrighter(const std::vector<float>& before, const std::vector<float>& after,
+                        const std::string& what);
+};
 
 Vec3 Turned(const Affine& m, Vec3 v) { return m * Vec4(v, 0.0f); }
 
@@ -53,8 +59,7 @@ TEST_P(InvariantTest, RigidMotionAndUniformScaleChangeNothing) {
   EXPECT_LT(Mean(grid), 0.95f);
   // Rounding may move a sample or two across an edge.
   const auto moved = Visibilities(Moved(stage, RigidAndScale()));
-  EXPECT_LT(DifferingPart(grid, moved, 0), 0.01f);
-  EXPECT_EQ(DifferingPart(grid, moved, 2.01f / 64), 0);
+  ExpectAlike(grid, moved, 2.01f / 64, 0.01f);
 }
 
 TEST_P(InvariantTest, ALightShrunkToAPointGivesTheHardShadow) {
@@ -64,13 +69,11 @@ TEST_P(InvariantTest, ALightShrunkToAPointGivesTheHardShadow) {
       RectangleLight{.corner = at, .edge_u = Vec3(1e-4f, 0, 0), .edge_v = Vec3(0, 0, 1e-4f)},
       DiskLight{.center = at, .radius = 1e-4f}, SphereLight{.center = at, .radius = 1e-4f}};
   for (const LightShape& light : tiny) {
-    EXPECT_LT(DifferingPart(Visibilities(Boxes(light)), hard, 0), 0.005f);
+    ExpectAlike(Visibilities(Boxes(light)), hard, 1, 0.005f);
   }
   const Vec3 up(0.2f, 1, 0.1f);
-  EXPECT_LT(
-      DifferingPart(Visibilities(Boxes(DistantLight{.to_light = up, .angular_diameter = 1e-4f})),
-                    Visibilities(Boxes(DistantLight{.to_light = up})), 0),
-      0.005f);
+  ExpectAlike(Visibilities(Boxes(DistantLight{.to_light = up, .angular_diameter = 1e-4f})),
+              Visibilities(Boxes(DistantLight{.to_light = up})), 1, 0.005f);
 }
 
 TEST_P(InvariantTest, TheSameSeedGivesTheSameBitsAndAnotherDoesNot) {
@@ -83,6 +86,19 @@ TEST_P(InvariantTest, TheSameSeedGivesTheSameBitsAndAnotherDoesNot) {
   }
 }
 
+// Exactly, texel by texel, where counts are exact. Elsewhere, on the whole: a light's image has its
+// pixels elsewhere once the scene is larger, and what is predicted goes by other points.
+void InvariantTest::ExpectNoBrighter(const std::vector<float>& before,
+                                     const std::vector<float>& after, const std::string& what) {
+  const bool is_exact = target() == SpecTarget::kReceiver;
+  const float slack = is_exact ? 0.0f : 0.25f;
+  const float part = target() == SpecTarget::kScene ? 0.03f : 0.002f;
+  size_t brighter = 0;
+  for (size_t t = 0; t < after.size(); ++t) brighter += after[t] > before[t] + slack;
+  EXPECT_LE(brighter, is_exact ? 0 : part * static_cast<float>(after.size())) << what;
+  EXPECT_LE(Mean(after), Mean(before) + (is_exact ? 0.0f : 0.01f)) << what;
+}
+
 TEST_P(InvariantTest, AnotherOccluderNeverBrightens) {
   for (uint64_t seed = 0; seed < 2 * kLightKinds; ++seed) {
     const auto full = RandomScene(seed);
@@ -91,13 +107,11 @@ TEST_P(InvariantTest, AnotherOccluderNeverBrightens) {
     for (const auto& [id, receiver] : full->receivers())
       delta.upsert_receivers.push_back(*receiver);
     const std::string scene = NewScene(delta);
-    std::vector<float> before = Visibilities(scene, Spec());
+    std::vector<float> before = Visibilities(scene, Spec(scene));
     for (const auto& [id, instance] : full->instances()) {
       ASSERT_TRUE(engine_->Commit(scene, {.upsert_instances = {*instance}}).ok());
-      const std::vector<float> after = Visibilities(scene, Spec());
-      for (size_t t = 0; t < after.size(); ++t) {
-        ASSERT_LE(after[t], before[t]) << "seed " << seed << ", texel " << t << ", with " << id;
-      }
+      const std::vector<float> after = Visibilities(scene, Spec(scene));
+      ExpectNoBrighter(before, after, "seed " + std::to_string(seed) + ", with " + id);
       before = after;
     }
   }

@@ -8,6 +8,7 @@
 #include "render/scene/field_error.h"
 #include "render/scene/scene_limits.h"
 #include "render/technique/soft_texture/all_lights.h"
+#include "render/technique/spec_check.h"
 
 namespace penumbra {
 namespace {
@@ -66,17 +67,14 @@ absl::Status CheckCountBits(const SoftTextureParams& params, size_t samples) {
 absl::Status CheckSpec(const Scene& scene, const ArtifactSpec& spec) {
   const auto& params = std::get<SoftTextureParams>(spec.params);
   if (const auto status = CheckParams(params); !status.ok()) return status;
+  if (const auto status = CheckTarget(spec); !status.ok()) return status;
   if (const auto status = CheckTimeBudget(spec); !status.ok()) return status;
   if (spec.light_id == kAllLights) {
     const auto status = CheckAllLights(scene, params);
     return status.ok() ? scene.ResolveReceiver(spec.receiver_id).status() : status;
   }
-  const auto light = scene.FindLight(spec.light_id);
-  if (!light) {
-    return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "light_id",
-                      absl::StrCat("found ", spec.light_id, ", need a light of the scene"));
-  }
-  const uint32_t samples = EffectiveSampleCount(*light, params.samples);
+  if (const auto status = CheckOneLight(scene, spec.light_id); !status.ok()) return status;
+  const uint32_t samples = EffectiveSampleCount(*scene.FindLight(spec.light_id), params.samples);
   if (const auto status = CheckCountBits(params, samples); !status.ok()) return status;
   return scene.ResolveReceiver(spec.receiver_id).status();
 }

@@ -7,14 +7,12 @@
 
 #include "absl/strings/str_format.h"
 #include "render/math/parallel_for.h"
+#include "render/technique/passes.h"
 #include "render/technique/soft_texture/params_check.h"
-#include "render/technique/soft_texture/passes.h"
+#include "render/technique/spec_check.h"
 
 namespace penumbra {
 namespace {
-
-// What of a time budget computing may take: the rest is for the way to the client.
-constexpr double kComputingShare = 0.5;
 
 // An edit whose samples, times the triangles and words of texels of each, are no more than this is
 // done sooner than a coarse pass of it is sent.
@@ -60,12 +58,7 @@ TexturePasses::TexturePasses(const Scene& scene, const ArtifactSpec& spec,
 }
 
 void TexturePasses::FillHeader() {
-  header_.scene_id = scene_.id();
-  header_.revision = scene_.revision();
-  header_.scene_hash = scene_.content_hash();
-  header_.technique = std::string(SoftTextureParams::kInfo.name);
-  header_.light_id = spec_.light_id;
-  header_.receiver_id = spec_.receiver_id;
+  header_ = HeaderOf(scene_, spec_);
   header_.samples_requested = sample_count();
   header_.parameters = EffectiveParameters(params(), samples_.size());
   header_.parameters["surface_offset_m"] = absl::StrFormat("%.17g", surface_offset_);
@@ -234,9 +227,10 @@ void TexturePasses::Shade(SoftShadowTexture& texture) {
 }
 
 Artifact TexturePasses::MakeArtifact() {
-  SoftShadowTexture texture{
-      .receiver = receiver_, .light = *light_, .visibility = {}, .radiance = {}};
+  SoftShadowTexture texture;
+  texture.receiver = receiver_;
   texture.receiver.deviation_m = 0;
+  texture.light = *light_;
   texture.coverage = coverage_.mask();
   texture.visibility = {receiver_.width, receiver_.height, done_, VisibleCounts()};
   texture.count_bits = BitsOf(params().count_bits);

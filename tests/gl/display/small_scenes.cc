@@ -44,8 +44,9 @@ std::shared_ptr<const Artifact> ArtifactOf(
   EXPECT_TRUE(patch.ok()) << patch.status();
   EXPECT_NE(light, nullptr);
   if (!patch.ok() || light == nullptr) return nullptr;
-  SoftShadowTexture texture = {
-      .receiver = *patch, .light = *light, .visibility = {}, .radiance = {}};
+  SoftShadowTexture texture;
+  texture.receiver = *patch;
+  texture.light = *light;
   texture.visibility.width = patch->width;
   texture.visibility.height = patch->height;
   texture.visibility.sample_count = sample_count;

@@ -14,7 +14,6 @@ namespace penumbra::testing {
 namespace {
 
 using ::testing::HasSubstr;
-using texture_gl::MeshStore;
 using texture_gl::ShadowRenderer;
 using texture_gl::ShadowRequest;
 
@@ -164,18 +163,19 @@ TEST_F(ShadowRendererTest, TheStoreDropsWhatWasAskedForLongestAgo) {
   geometry.positions[0] *= 2.0f;
   const auto other = MeshOf(std::move(geometry));
   MeshStore store(2 * (8 * 12 + 36 * 4));
-  ASSERT_TRUE(store.Mesh(*context_, *box).ok());
-  ASSERT_TRUE(store.Mesh(*context_, *square).ok());
-  ASSERT_TRUE(store.Mesh(*context_, *box).ok());
-  ASSERT_TRUE(store.Mesh(*context_, *other).ok());  // the square goes
+  ASSERT_TRUE(store.Mesh(*context_, *box, "a.method").ok());
+  ASSERT_TRUE(store.Mesh(*context_, *square, "a.method").ok());
+  ASSERT_TRUE(store.Mesh(*context_, *box, "a.method").ok());
+  ASSERT_TRUE(store.Mesh(*context_, *other, "a.method").ok());  // the square goes
   EXPECT_EQ(store.upload_count(), 3u);
-  ASSERT_TRUE(store.Mesh(*context_, *box).ok());
+  ASSERT_TRUE(store.Mesh(*context_, *box, "a.method").ok());
   EXPECT_EQ(store.upload_count(), 3u);
   EXPECT_EQ(store.bytes(), 2 * (8 * 12 + 36 * 4u));
   const auto mask = AlphaMask::Create(17, 15, std::vector<uint8_t>(255)).value();
-  const absl::Status refused = store.Mask(*context_, *mask, *box).status();
+  const absl::Status refused = store.Mask(*context_, *mask, *box, "a.method").status();
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(ErrorReason(refused), "GL_MEMORY");
+  EXPECT_EQ(ErrorFieldPath(refused), "a.method");
   EXPECT_THAT(std::string(refused.message()), HasSubstr("255 bytes, need at most 240"));
 }
 

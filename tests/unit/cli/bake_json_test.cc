@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "client/cli/bake_files.h"
 #include "client/cli/light_json.h"
@@ -22,14 +23,15 @@ Artifact SmallArtifact() {
       .light_samples = {{.point = {0.1f, 2, 0.3f}, .weight = 0.5f},
                         {.point = {0, 1, 0}, .at_infinity = true, .weight = 0.5f}},
       .timings_ms = {{"clip", 0.25}}};
-  artifact.payload = SoftShadowTexture{
-      .receiver = {.patch = {Vec3(-1, 0, 1), Vec3(2, 0, 0), Vec3(0, 0, -2)},
-                   .width = 2,
-                   .height = 1,
-                   .two_sided = false,
-                   .reflectance = Vec3(0.5f)},
-      .light = {.id = "lamp", .shape = SphereLight{.center = {0, 2, 0}, .radius = 0.1f}},
-      .visibility = {.width = 2, .height = 1, .sample_count = 2, .counts = {0, 2}}};
+  SoftShadowTexture texture;
+  texture.receiver = {.patch = {Vec3(-1, 0, 1), Vec3(2, 0, 0), Vec3(0, 0, -2)},
+                      .width = 2,
+                      .height = 1,
+                      .two_sided = false,
+                      .reflectance = Vec3(0.5f)};
+  texture.light = {.id = "lamp", .shape = SphereLight{.center = {0, 2, 0}, .radius = 0.1f}};
+  texture.visibility = {.width = 2, .height = 1, .sample_count = 2, .counts = {0, 2}};
+  artifact.payload = std::move(texture);
   return artifact;
 }
 
@@ -37,7 +39,7 @@ Json Parsed() {
   const Artifact artifact = SmallArtifact();
   const BakeRecord record{
       .artifact = artifact, .scene = "dir/table.glb", .name = "floor.lamp", .wall_ms = 1.5};
-  return Json::parse(BakeJson(record, std::get<SoftShadowTexture>(artifact.payload), 2.0f));
+  return Json::parse(BakeJson(record, 2.0f));
 }
 
 TEST(BakeJsonTest, HoldsAllThatIsNeededToComputeTheCountsAgain) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
 
 #include "absl/strings/ascii.h"
@@ -13,7 +14,10 @@ namespace {
 
 TEST(SpecConvertTest, EveryTechniqueGoesThereAndBack) {
   for (const TechniqueParams& params : AllTechniques()) {
-    const ArtifactSpec spec{.params = params, .light_id = "l", .receiver_id = "r"};
+    ArtifactSpec spec{.params = params, .light_id = "l"};
+    if (InfoOf(params).target == SpecTarget::kReceiver) spec.receiver_id = "r";
+    if (InfoOf(params).target == SpecTarget::kPoints) spec.points = LightmapTexels{"i", 4, 5};
+    EXPECT_EQ(*TargetOf(ToProto(spec)), InfoOf(params).target);
     const auto back = FromProto(ToProto(spec));
     ASSERT_TRUE(back.ok()) << back.status();
     EXPECT_EQ(*back, spec);
@@ -31,6 +35,44 @@ TEST(SpecConvertTest, EveryTechniqueGoesThereAndBack) {
     EXPECT_EQ(v1::VisibilityMethod_Name(ToProto(by_method).soft_texture().method()),
               "VISIBILITY_METHOD_" + absl::AsciiStrToUpper({name.data(), name.size()}));
   }
+}
+
+TEST(SpecConvertTest, EveryParameterGoesThereAndBackAndIsPartOfTheKey) {
+  using Layered = LayeredAttenuationParams;
+  using Coherent = CoherentRaytraceParams;
+  const TechniqueParams layered[] = {Layered{},
+                                     Layered{.samples = 3},
+                                     Layered{.seed = 3},
+                                     Layered{.resolution = 300},
+                                     Layered{.tolerance = 0.5f},
+                                     Layered{.source = DepthMethod::kGl},
+                                     Layered{.key_views = true},
+                                     Layered{.max_layers = 3}};
+  const TechniqueParams coherent[] = {Coherent{},
+                                      Coherent{.samples = 3},
+                                      Coherent{.seed = 3},
+                                      Coherent{.backend = RayBackend::kDepthImages},
+                                      Coherent{.radiance = false},
+                                      Coherent{.output = RadianceFormat::kFloat32},
+                                      Coherent{.coherence = false},
+                                      Coherent{.whole_light = false},
+                                      Coherent{.ray_accelerations = false},
+                                      Coherent{.prediction_distance = 0.5f},
+                                      Coherent{.resolution = 300},
+                                      Coherent{.gap_bias = 0.5f},
+                                      Coherent{.shadow_bias = 0.5f}};
+  std::set<std::string> keys;
+  const auto check = [&](const ArtifactSpec& spec) {
+    const auto back = FromProto(ToProto(spec));
+    ASSERT_TRUE(back.ok()) << back.status();
+    EXPECT_EQ(*back, spec);
+    EXPECT_TRUE(keys.insert(SpecKey(spec)).second) << SpecKey(spec);
+  };
+  for (const TechniqueParams& params : layered) check({.params = params, .light_id = "l"});
+  for (const TechniqueParams& params : coherent) {
+    check({.params = params, .light_id = "l", .points = LightmapTexels{"i", 4, 5}});
+  }
+  check({.params = Coherent{}, .light_id = "l", .points = LightmapTexels{"i", 4, 6}});
 }
 
 TEST(SpecConvertTest, ShadingGoesThereAndBack) {

@@ -14,8 +14,8 @@ namespace {
 
 using testing::Dice;
 
-SoftShadowTexture Texture(uint32_t width, uint32_t height, uint32_t samples, bool radiance) {
-  SoftShadowTexture texture;
+ShadowTexels Texture(uint32_t width, uint32_t height, uint32_t samples, bool radiance) {
+  ShadowTexels texture;
   texture.visibility = {.width = width,
                         .height = height,
                         .sample_count = samples,
@@ -27,9 +27,9 @@ SoftShadowTexture Texture(uint32_t width, uint32_t height, uint32_t samples, boo
   return texture;
 }
 
-SoftShadowTexture RandomTexture(uint32_t width, uint32_t height, uint32_t samples, bool radiance) {
+ShadowTexels RandomTexture(uint32_t width, uint32_t height, uint32_t samples, bool radiance) {
   Dice dice(width * 7919 + samples);
-  SoftShadowTexture texture = Texture(width, height, samples, radiance);
+  ShadowTexels texture = Texture(width, height, samples, radiance);
   for (auto& count : texture.visibility.counts) {
     count = static_cast<uint16_t>(dice.Below(samples + 1));
   }
@@ -39,7 +39,7 @@ SoftShadowTexture RandomTexture(uint32_t width, uint32_t height, uint32_t sample
   return texture;
 }
 
-void ForTiles(const SoftShadowTexture& texture,
+void ForTiles(const ShadowTexels& texture,
               const std::function<void(uint32_t column, uint32_t row)>& visit) {
   const TileGrid grid = GridOf(texture);
   for (uint32_t row = 0; row < grid.rows(); ++row) {
@@ -47,9 +47,9 @@ void ForTiles(const SoftShadowTexture& texture,
   }
 }
 
-void ExpectThereAndBack(const SoftShadowTexture& texture) {
-  SoftShadowTexture back = Texture(texture.visibility.width, texture.visibility.height,
-                                   texture.visibility.sample_count, texture.radiance.has_value());
+void ExpectThereAndBack(const ShadowTexels& texture) {
+  ShadowTexels back = Texture(texture.visibility.width, texture.visibility.height,
+                              texture.visibility.sample_count, texture.radiance.has_value());
   TileEncoder encoder;
   TileDecoder decoder;
   ForTiles(texture, [&](uint32_t column, uint32_t row) {
@@ -76,9 +76,9 @@ TEST(TileCodecTest, RoundedRadianceGoesThereAndBackInFewerBytes) {
   for (const RadianceFormat format :
        {RadianceFormat::kHalf, RadianceFormat::kUnorm16, RadianceFormat::kUnorm8}) {
     for (const float scale : {0.7f, 9.0f}) {
-      SoftShadowTexture texture = RandomTexture(70, 66, 300, true);
+      ShadowTexels texture = RandomTexture(70, 66, 300, true);
       RoundTo(format, scale, *texture.radiance);
-      SoftShadowTexture back = Texture(70, 66, 300, true);
+      ShadowTexels back = Texture(70, 66, 300, true);
       back.radiance->format = format;
       back.radiance->scale = texture.radiance->scale;
       TileEncoder encoder;
@@ -100,12 +100,12 @@ TEST(TileCodecTest, RoundedRadianceGoesThereAndBackInFewerBytes) {
 }
 
 TEST(TileCodecTest, CountsTakeTheBitsAskedFor) {
-  SoftShadowTexture texture = RandomTexture(64, 64, 200, false);
+  ShadowTexels texture = RandomTexture(64, 64, 200, false);
   TileEncoder encoder;
   const auto size = [&](uint32_t bits) -> size_t {
     texture.count_bits = bits;
     const v1::Tile tile = encoder.Encode(texture, 0, 0);
-    SoftShadowTexture back = Texture(64, 64, 200, false);
+    ShadowTexels back = Texture(64, 64, 200, false);
     back.count_bits = bits;
     TileDecoder decoder;
     EXPECT_TRUE(decoder.Decode(tile, back).ok());
@@ -120,7 +120,7 @@ TEST(TileCodecTest, CountsTakeTheBitsAskedFor) {
 }
 
 TEST(TileCodecTest, FormatsAreTheSameOrNot) {
-  SoftShadowTexture a = Texture(4, 4, 2, true), b = a;
+  ShadowTexels a = Texture(4, 4, 2, true), b = a;
   EXPECT_TRUE(HaveSameRadianceFormat(a, b));
   b.radiance->format = RadianceFormat::kHalf;
   EXPECT_FALSE(HaveSameRadianceFormat(a, b));
@@ -132,7 +132,7 @@ TEST(TileCodecTest, FormatsAreTheSameOrNot) {
 }
 
 TEST(TileCodecTest, FlatTilesCarryNoBytes) {
-  SoftShadowTexture texture = Texture(64, 64, 300, false);
+  ShadowTexels texture = Texture(64, 64, 300, false);
   TileEncoder encoder;
   EXPECT_EQ(encoder.Encode(texture, 0, 0).counts_codec(), v1::CODEC_NONE_VISIBLE);
   EXPECT_TRUE(encoder.Encode(texture, 0, 0).counts().empty());
@@ -152,8 +152,8 @@ TEST(TileCodecTest, NoiseIsNotMadeLonger) {
 }
 
 TEST(TileCodecTest, FlatTilesAreEqualAcrossSampleCounts) {
-  SoftShadowTexture coarse = Texture(128, 64, 8, false);
-  SoftShadowTexture fine = Texture(128, 64, 64, false);
+  ShadowTexels coarse = Texture(128, 64, 8, false);
+  ShadowTexels fine = Texture(128, 64, 64, false);
   for (uint32_t i = 0; i < 64; ++i) {  // the left tile is lit, the right one half lit
     for (uint32_t j = 0; j < 64; ++j) {
       coarse.visibility.counts[j * 128 + i] = 8;
@@ -169,8 +169,8 @@ TEST(TileCodecTest, FlatTilesAreEqualAcrossSampleCounts) {
 }
 
 TEST(TileCodecTest, ADifferenceOfOneTexelIsSeen) {
-  const SoftShadowTexture a = RandomTexture(130, 70, 64, true);
-  SoftShadowTexture b = a;
+  const ShadowTexels a = RandomTexture(130, 70, 64, true);
+  ShadowTexels b = a;
   b.visibility.counts.back() ^= 1;
   EXPECT_FALSE(TilesEqual(a, b, 2, 1));
   EXPECT_TRUE(TilesEqual(a, b, 1, 1));
@@ -231,11 +231,11 @@ const BadTile kBadTiles[] = {
 };
 
 TEST(TileCodecTest, BadTilesAreErrors) {
-  const SoftShadowTexture texture = RandomTexture(128, 64, 16, true);
+  const ShadowTexels texture = RandomTexture(128, 64, 16, true);
   for (const BadTile& bad : kBadTiles) {
     v1::Tile tile = TileEncoder().Encode(texture, 0, 0);
     bad.spoil(tile);
-    SoftShadowTexture into = Texture(128, 64, 16, true);
+    ShadowTexels into = Texture(128, 64, 16, true);
     const auto status = TileDecoder().Decode(tile, into);
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_EQ(ErrorReason(status), bad.reason) << status;

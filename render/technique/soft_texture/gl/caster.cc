@@ -103,10 +103,4 @@ bool MissesRows(const Caster& caster, std::span<const GpuSampleMap> maps,
   return true;
 }
 
-int LeastAlpha(float cutoff) {
-  int least = 0;
-  while (least < 256 && !(static_cast<float>(least) / 255.0f >= cutoff)) ++least;
-  return least;
-}
-
 }  // namespace penumbra::texture_gl

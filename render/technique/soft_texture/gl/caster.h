@@ -40,7 +40,4 @@ bool MissesRows(const Caster& caster, std::span<const GpuSampleMap> maps,
                 const ReceiverPatch& receiver, uint32_t first_row, uint32_t rows,
                 double surface_offset);
 
-// The least value of 8 bits that is at least `cutoff` as a share of 255; 256 if there is none.
-int LeastAlpha(float cutoff);
-
 }  // namespace penumbra::texture_gl

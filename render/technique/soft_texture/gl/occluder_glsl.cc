@@ -1,6 +1,8 @@
 #include "render/technique/soft_texture/gl/occluder_glsl.h"
 
 #include "absl/strings/str_cat.h"
+#include "render/light_view/gl/mesh_store.h"
+#include "render/light_view/gl/triangle_glsl.h"
 #include "render/technique/soft_texture/coverage_kernel.h"
 #include "render/technique/soft_texture/gl/occluder_vertex_glsl.h"
 
@@ -9,11 +11,6 @@ namespace {
 
 // Below this w a point is taken to be level with the light, as on the CPU (careful_triangle.cc).
 constexpr double kSmallestW = 0x1.0p-16;
-
-// Texels by which a triangle is made larger to be sure of its candidates: GL promises a grid of
-// 1/16 of a texel, on which a vertex moves by half as much, and single precision at kFarTexels adds
-// less than that again.
-constexpr double kMargin = 0.125;
 
 // Further out than this, triangles are not drawn as such: their candidates are all texels.
 constexpr double kFarTexels = 65536;
@@ -34,23 +31,11 @@ layout(location = 0) out uvec2 shadows;
 
 constexpr char kNoMask[] = "bool IsHole(vec3 share) { return false; }\n";
 
-// AlphaMask::At and its RepeatedTexel.
 constexpr char kMask[] = R"glsl(
 flat in vec2 corner_uv[3];
-layout(binding = kMaskUnit) uniform usampler2D mask;
-uniform int least_alpha;
-
-int RepeatedTexel(float t, int count) {
-  float wrapped = t - floor(t);
-  if (!(wrapped >= 0.0)) return 0;
-  return min(int(wrapped * float(count)), count - 1);
-}
 
 bool IsHole(vec3 share) {
-  vec2 uv = share.x * corner_uv[0] + share.y * corner_uv[1] + share.z * corner_uv[2];
-  ivec2 mask_size = textureSize(mask, 0);
-  ivec2 at = ivec2(RepeatedTexel(uv.x, mask_size.x), RepeatedTexel(uv.y, mask_size.y));
-  return int(texelFetch(mask, at, 0).r) < least_alpha;
+  return IsHoleAt(share.x * corner_uv[0] + share.y * corner_uv[1] + share.z * corner_uv[2]);
 }
 )glsl";
 
@@ -89,17 +74,16 @@ void main() {
 
 gl::ProgramSource OccluderProgram(bool masked) {
   return {.vertex = OccluderVertexGlsl(masked),
-          .fragment = absl::StrCat(kInputs, masked ? kMask : kNoMask, kMain),
+          .fragment = masked ? absl::StrCat(kInputs, AlphaMaskGlsl(), kMask, kMain)
+                             : absl::StrCat(kInputs, kNoMask, kMain),
           .constants = absl::StrCat(gl::GlslConstant("kSmallestW", kSmallestW),
                                     gl::GlslConstant("kSamplesPerPass", kSamplesPerPass),
-                                    gl::GlslConstant("kMargin", kMargin),
                                     gl::GlslConstant("kFarTexels", kFarTexels),
                                     gl::GlslConstant("kNearLightW", kNearLightW),
                                     gl::GlslConstant("kPositionsBinding", kPositionsBinding),
                                     gl::GlslConstant("kIndicesBinding", kIndicesBinding),
                                     gl::GlslConstant("kUvsBinding", kUvsBinding),
-                                    gl::GlslConstant("kMapsBinding", kMapsBinding),
-                                    gl::GlslConstant("kMaskUnit", kMaskUnit))};
+                                    gl::GlslConstant("kMapsBinding", kMapsBinding))};
 }
 
 }  // namespace penumbra::texture_gl

@@ -30,9 +30,8 @@ struct GpuSampleMap {
   DVec4 light{0.0};  // x: the side of the receiver it is on, ±1; y: how high above it
 };
 
-// Where the shaders find things.
-inline constexpr int kPositionsBinding = 0, kIndicesBinding = 1, kUvsBinding = 2, kMapsBinding = 3;
-inline constexpr int kMaskUnit = 0;
+// Where the shaders find the maps; the rest is where mesh_store.h says.
+inline constexpr int kMapsBinding = 3;
 
 // Uniforms: column0 … column3 of world_from_mesh, origin, heights (least and greatest of the
 // instance's over the plane, with room for rounding), facing (±1, or 0: draw both sides),

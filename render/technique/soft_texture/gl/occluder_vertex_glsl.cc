@@ -1,6 +1,7 @@
 #include "render/technique/soft_texture/gl/occluder_vertex_glsl.h"
 
 #include "absl/strings/str_cat.h"
+#include "render/light_view/gl/triangle_glsl.h"
 
 namespace penumbra::texture_gl {
 namespace {
@@ -94,44 +95,6 @@ bool CastsNothing(dvec3 x, dvec3 y, dvec3 w, dvec3 height) {
          AllBeyond(above * w - y);
 }
 
-double Cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
-
-// Corner k of a triangle around a, b, c that leaves kMargin everywhere.
-dvec2 LargerCorner(int k, dvec2 a, dvec2 b, dvec2 c) {
-  dvec3 sides = dvec3(distance(b, c), distance(c, a), distance(a, b));
-  double perimeter = sides.x + sides.y + sides.z;
-  double inradius = perimeter > 0.0 ? abs(Cross(b - a, c - a)) / perimeter : 0.0;
-  if (inradius >= 2.0 * kMargin) {
-    dvec2 middle = (sides.x * a + sides.y * b + sides.z * c) / perimeter;
-    dvec2 corner = k == 0 ? a : k == 1 ? b : c;
-    return middle + (corner - middle) * (1.0 + kMargin / inradius);
-  }
-  // Too thin for that: half of the parallelogram that is twice as long and as high as the rectangle
-  // along the longest side.
-  dvec2 start = a, end = b, other = c;
-  if (sides.x >= max(sides.y, sides.z)) {
-    start = b; end = c; other = a;
-  } else if (sides.y >= sides.z) {
-    start = c; end = a; other = b;
-  }
-  double length_along = distance(start, end);
-  dvec2 along = length_along > 0.0 ? (end - start) / length_along : dvec2(1.0, 0.0);
-  dvec2 across = dvec2(-along.y, along.x);
-  double height = dot(other - start, across);
-  double low = min(0.0, height) - kMargin, high = max(0.0, height) + kMargin;
-  dvec2 corner = start - kMargin * along + low * across;
-  if (k == 1) corner += 2.0 * (length_along + 2.0 * kMargin) * along;
-  if (k == 2) corner += 2.0 * (high - low) * across;
-  return corner;
-}
-
-// False: no texel centre lies between the least and the greatest of the corners.
-bool SpansCenters(dvec2 a, dvec2 b, dvec2 c) {
-  const double kRounding = 1.0 / 1024.0;
-  dvec2 least = min(min(a, b), c) - kRounding, greatest = max(max(a, b), c) + kRounding;
-  return all(lessThanEqual(ceil(least), greatest));
-}
-
 const vec4 kNowhere = vec4(2.0, 2.0, 2.0, 1.0);
 
 vec4 PositionOf(int k, dvec3 a, dvec3 b, dvec3 c, double facing_side) {
@@ -199,7 +162,7 @@ void KeepUv(uint first) {
 }  // namespace
 
 std::string OccluderVertexGlsl(bool masked) {
-  return absl::StrCat(kEdge, kInputs, masked ? kKeepUv : kNoUv, kVertex);
+  return absl::StrCat(kEdge, TriangleCoverGlsl(), kInputs, masked ? kKeepUv : kNoUv, kVertex);
 }
 
 }  // namespace penumbra::texture_gl

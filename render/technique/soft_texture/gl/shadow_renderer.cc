@@ -19,6 +19,9 @@ constexpr size_t kTrianglesPerDraw = size_t{1} << 19;
 // a bound on what waits to be read.
 constexpr size_t kPagesInFlight = 4;
 
+// Where GL was asked for.
+constexpr char kField[] = "soft_texture.method";
+
 // Targets of so many sizes are kept.
 constexpr size_t kKeptTargets = 8;
 
@@ -54,7 +57,7 @@ absl::StatusOr<ShadowRenderer*> ShadowRenderer::Of(gl::Context& context) {
   static constexpr char kOwner = 0;
   std::shared_ptr<void>& kept = context.Kept(&kOwner);
   if (!kept) {
-    std::shared_ptr<ShadowRenderer> renderer(new ShadowRenderer);
+    std::shared_ptr<ShadowRenderer> renderer(new ShadowRenderer(MeshStore::Of(context)));
     if (absl::Status status = renderer->CreatePrograms(context); !status.ok()) return status;
     kept = std::move(renderer);
   }
@@ -99,11 +102,11 @@ absl::Status ShadowRenderer::DrawCaster(gl::Context& context, const Caster& cast
                                         const gl::PixelArea& area, int samples,
                                         const std::stop_token& stop) {
   const Instance& instance = *caster.instance;
-  auto mesh = meshes_.Mesh(context, *instance.mesh);
+  auto mesh = meshes_->Mesh(context, *instance.mesh, kField);
   if (!mesh.ok()) return mesh.status();
   (*mesh)->Bind(context);
   if (instance.alpha_mask) {
-    auto mask = meshes_.Mask(context, *instance.alpha_mask, *instance.mesh);
+    auto mask = meshes_->Mask(context, *instance.alpha_mask, *instance.mesh, kField);
     if (!mask.ok()) return mask.status();
     (*mask)->Bind(context, kMaskUnit);
     program.Set(context, "least_alpha", LeastAlpha(instance.alpha_cutoff));

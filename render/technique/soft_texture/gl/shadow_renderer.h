@@ -17,7 +17,7 @@
 #include "render/gl/program.h"
 #include "render/gl/readback.h"
 #include "render/gl/vertex_array.h"
-#include "render/technique/soft_texture/gl/mesh_store.h"
+#include "render/light_view/gl/mesh_store.h"
 #include "render/technique/soft_texture/gl/pages.h"
 #include "render/technique/soft_texture/gl/shadow_work.h"
 
@@ -39,14 +39,13 @@ class ShadowRenderer {
                                                std::span<const ShadowRequest> requests,
                                                const std::stop_token& stop);
 
-  const MeshStore& meshes() const { return meshes_; }
+  const MeshStore& meshes() const { return *meshes_; }
 
  private:
   struct Targets {
     gl::Framebuffer shadows, sums;
   };
-  explicit ShadowRenderer() : meshes_(kMaxKeptBytes) {}
-  static constexpr size_t kMaxKeptBytes = size_t{256} << 20;
+  explicit ShadowRenderer(MeshStore& meshes) : meshes_(&meshes) {}
 
   absl::Status CreatePrograms(gl::Context& context);
   absl::StatusOr<Targets*> TargetsFor(gl::Context& context, const Page& page, bool shades);
@@ -61,7 +60,7 @@ class ShadowRenderer {
   absl::Status Resolve(gl::Context& context, const Tile& tile, const ShadowWork& work, size_t pass,
                        bool shades, Targets& targets);
 
-  MeshStore meshes_;
+  MeshStore* const meshes_;  // the context's
   gl::VertexArray no_attributes_;
   gl::Program opaque_, masked_, count_, shade_;
   // By width, height and whether radiance is summed up.

@@ -1,17 +1,24 @@
-#include "render/technique/soft_texture/gl/mesh_store.h"
+#include "render/light_view/gl/mesh_store.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "absl/strings/str_cat.h"
 #include "render/scene/field_error.h"
-#include "render/technique/soft_texture/gl/occluder_glsl.h"
 
-namespace penumbra::texture_gl {
+namespace penumbra {
 
 void GpuMesh::Bind(gl::Context& context) const {
   positions.BindStorage(context, kPositionsBinding);
   indices.BindStorage(context, kIndicesBinding);
   uvs.BindStorage(context, kUvsBinding);
+}
+
+MeshStore& MeshStore::Of(gl::Context& context) {
+  static constexpr char kOwner = 0;
+  std::shared_ptr<void>& kept = context.Kept(&kOwner);
+  if (!kept) kept = std::make_shared<MeshStore>(kMaxKeptBytes);
+  return *static_cast<MeshStore*>(kept.get());
 }
 
 MeshStore::Entry* MeshStore::Find(const ContentHash& id) {
@@ -22,10 +29,10 @@ MeshStore::Entry* MeshStore::Find(const ContentHash& id) {
 }
 
 absl::Status MeshStore::MakeRoom(size_t bytes, size_t limit, const ContentHash* pinned,
-                                 const char* what) {
+                                 const char* what, std::string_view field) {
   if (pinned) limit = std::min(limit, max_bytes_ - entries_.front().bytes);
   if (bytes > std::min(limit, max_bytes_)) {
-    return FieldError(absl::StatusCode::kResourceExhausted, "GL_MEMORY", "soft_texture.method",
+    return FieldError(absl::StatusCode::kResourceExhausted, "GL_MEMORY", field,
                       absl::StrCat("found gl and ", what, " of ", bytes, " bytes, need at most ",
                                    std::min(limit, max_bytes_), " or another method"));
   }
@@ -45,12 +52,13 @@ MeshStore::Entry& MeshStore::Add(Entry entry) {
   return entries_.front();
 }
 
-absl::StatusOr<const GpuMesh*> MeshStore::Mesh(gl::Context& context, const penumbra::Mesh& mesh) {
+absl::StatusOr<const GpuMesh*> MeshStore::Mesh(gl::Context& context, const penumbra::Mesh& mesh,
+                                               std::string_view field) {
   if (Entry* entry = Find(mesh.id())) return &std::get<GpuMesh>(entry->content);
   const size_t bytes =
       mesh.positions().size_bytes() + mesh.indices().size_bytes() + mesh.uvs().size_bytes();
   const auto limit = static_cast<size_t>(context.info().max_storage_bytes);
-  if (absl::Status status = MakeRoom(bytes, limit, nullptr, "a mesh"); !status.ok()) {
+  if (absl::Status status = MakeRoom(bytes, limit, nullptr, "a mesh", field); !status.ok()) {
     return status;
   }
   auto positions = gl::Buffer::Create(context, std::as_bytes(mesh.positions()));
@@ -65,10 +73,11 @@ absl::StatusOr<const GpuMesh*> MeshStore::Mesh(gl::Context& context, const penum
 }
 
 absl::StatusOr<const gl::Texture*> MeshStore::Mask(gl::Context& context, const AlphaMask& mask,
-                                                   const penumbra::Mesh& beside) {
+                                                   const penumbra::Mesh& beside,
+                                                   std::string_view field) {
   if (Entry* entry = Find(mask.id())) return &std::get<gl::Texture>(entry->content);
   const size_t bytes = mask.alpha().size();
-  absl::Status room = MakeRoom(bytes, max_bytes_, &beside.id(), "an alpha mask");
+  absl::Status room = MakeRoom(bytes, max_bytes_, &beside.id(), "an alpha mask", field);
   if (!room.ok()) return room;
   auto texture = gl::Texture::Create(context, {.width = static_cast<int>(mask.width()),
                                                .height = static_cast<int>(mask.height()),
@@ -79,4 +88,10 @@ absl::StatusOr<const gl::Texture*> MeshStore::Mask(gl::Context& context, const A
   return &std::get<gl::Texture>(Add({mask.id(), bytes, *std::move(texture)}).content);
 }
 
-}  // namespace penumbra::texture_gl
+int LeastAlpha(float cutoff) {
+  int least = 0;
+  while (least < 256 && !(static_cast<float>(least) / 255.0f >= cutoff)) ++least;
+  return least;
+}
+
+}  // namespace penumbra

@@ -11,6 +11,8 @@ namespace penumbra {
 // later one after this many times more.
 inline constexpr uint32_t kFirstPassSamples = 8;
 inline constexpr uint32_t kPassGrowth = 8;
+// What of a time budget computing may take: the rest is for the way to the client.
+inline constexpr double kComputingShare = 0.5;
 
 // How many of `n` samples are counted in all after the pass that follows one that ended with
 // `done`; 0: none was. A last pass that would bring less than half as many again is merged with the

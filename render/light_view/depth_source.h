@@ -1,0 +1,45 @@
+// What makes depth maps.
+//
+//   source->Draw(views, stop, [&](size_t index, DepthMap map) { …; return absl::OkStatus(); });
+#pragma once
+
+#include <functional>
+#include <span>
+#include <stop_token>
+
+#include "absl/status/status.h"
+#include "render/artifact/depth_map.h"
+
+namespace penumbra {
+
+// Draws the casting instances of a scene. Each pixel is that of the ray through its centre; alpha
+// masks cut holes. The same views give the same bits for any number of threads, however they are
+// spread over calls.
+//
+// Two sources agree to a few millionths of a depth, but where a ray passes within rounding of an
+// edge, of a mask's texel, or of the near plane; and where a surface is seen nearly from its edge,
+// to what a thousandth of a pixel makes of it.
+class DepthSource {
+ public:
+  // Takes the depth map of views[index], in the order of the views, on the thread that called Draw.
+  using Take = std::function<absl::Status(size_t index, DepthMap map)>;
+
+  virtual ~DepthSource() = default;
+
+  // Views that follow each other are best of one frame. Of a view that is empty() the map sees
+  // nothing.
+  //
+  // Errors  kCancelled: stop requested (asked at least once per view);
+  //         kResourceExhausted, VIEW_SIZE: a view has more than kMaxViewSide pixels a side;
+  //         those of `take`
+  virtual absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
+                            const Take& take) = 0;
+};
+
+// The map of a view that sees nothing.
+DepthMap NothingSeen(const LightView& view);
+
+// Errors  kResourceExhausted, VIEW_SIZE, "views[3].width"
+absl::Status CheckViews(std::span<const LightView> views);
+
+}  // namespace penumbra

@@ -1,0 +1,30 @@
+// Depth maps by rays.
+#pragma once
+
+#include <memory>
+
+#include "render/light_view/caster_bvh.h"
+#include "render/light_view/depth_source.h"
+#include "tbb/task_arena.h"
+
+namespace penumbra {
+
+// Packets of 16 rays, one for each pixel of a 4×4 block.
+//
+// Cost  time: RaysNs in depth_method.h, nearly whatever the triangles; memory: one map. One thread
+//       at a time may draw.
+class RayDepthSource : public DepthSource {
+ public:
+  RayDepthSource(std::shared_ptr<const CasterBvh> casters, tbb::task_arena& arena)
+      : casters_(std::move(casters)), arena_(arena) {}
+
+  // Errors  besides those of every source: that of the hierarchies
+  absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
+                    const Take& take) override;
+
+ private:
+  const std::shared_ptr<const CasterBvh> casters_;
+  tbb::task_arena& arena_;
+};
+
+}  // namespace penumbra

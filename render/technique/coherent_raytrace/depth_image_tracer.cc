@@ -1,0 +1,132 @@
+#include "render/technique/coherent_raytrace/depth_image_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace penumbra {
+namespace {
+
+// The last part of a ray, where a light's own surface is: 2^-16 of its length.
+constexpr double kLightShare = 1 - 0x1p-16;
+
+// Rays from one point through the images, one after another.
+class RayBatch {
+ public:
+  RayBatch(std::span<const DepthPyramid> images, const RayAccelerations& accelerations,
+           DVec3 origin, bool wants_blockers)
+      : accelerations_(accelerations),
+        traversal_(accelerations.min_max_clipping, accelerations.connectedness && !wants_blockers) {
+    origins_.reserve(images.size());
+    for (const DepthPyramid& image : images) origins_.emplace_back(image, origin);
+  }
+
+  float Trace(DVec3 way, double end);
+
+  uint64_t steps() const { return traversal_.steps(); }
+  uint64_t images() const { return images_; }
+
+ private:
+  // A ray in an image, and what of it the image shows.
+  struct Candidate {
+    ImageRay ray;
+    const DepthPyramid* image;
+    WayInterval seen;  // in s
+    double length;
+  };
+
+  std::optional<double> TraceIn(const Candidate& candidate);
+
+  const RayAccelerations& accelerations_;
+  ImageTraversal traversal_;
+  uint64_t images_ = 0;
+  std::vector<ImageOrigin> origins_;
+  std::vector<Candidate> candidates_;
+  std::vector<WayInterval> open_;    // what may be blocked for all that is known, in t
+  std::vector<WayInterval> hidden_;  // of that, what an image does not show, in t
+  std::vector<WayInterval> in_s_;
+};
+
+float RayBatch::Trace(DVec3 way, double end) {
+  candidates_.clear();
+  for (const ImageOrigin& origin : origins_) {
+    const ImageRay ray(origin, way);
+    const WayInterval seen = ray.Clip(ray.ParametersOf({0.0, end}));
+    candidates_.push_back({ray, origin.image, seen, seen.empty() ? 0.0 : ray.Length(seen)});
+  }
+  if (accelerations_.ranking) {
+    std::ranges::stable_sort(candidates_, [](const Candidate& a, const Candidate& b) {
+      if (a.seen.empty() != b.seen.empty()) return b.seen.empty();
+      return a.length < b.length;
+    });
+  }
+  open_.assign(1, {0.0, end});
+  for (const Candidate& candidate : candidates_) {
+    if (const auto blocked = TraceIn(candidate)) return static_cast<float>(*blocked);
+    if (accelerations_.clear_miss && hidden_.empty()) return kUnblocked;
+    if (accelerations_.occlusion_intervals) std::swap(open_, hidden_);
+  }
+  return kUnblocked;
+}
+
+// Where the ray is blocked; nullopt: nowhere, and hidden_ is known.
+std::optional<double> RayBatch::TraceIn(const Candidate& candidate) {
+  const auto& [ray, image, seen, length] = candidate;
+  ++images_;
+  hidden_.clear();
+  for (const WayInterval& t : open_) {
+    const WayInterval all = ray.ParametersOf(t);
+    const WayInterval part{std::max(all.from, seen.from), std::min(all.to, seen.to)};
+    if (all.empty() || part.empty()) {
+      if (!image->covers_all()) hidden_.push_back(t);
+      continue;
+    }
+    if (!image->covers_all() && part.from > all.from) {
+      hidden_.push_back({t.from, ray.WayAt(part.from)});
+    }
+    in_s_.clear();
+    if (const auto blocked = traversal_.Trace(*image, ray, part, in_s_)) {
+      return ray.WayAt(*blocked);
+    }
+    for (const WayInterval& s : in_s_) hidden_.push_back({ray.WayAt(s.from), ray.WayAt(s.to)});
+    if (!image->covers_all() && part.to < all.to) hidden_.push_back({ray.WayAt(part.to), t.to});
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+double DepthImageTracer::OffsetOf(const SurfacePoint& point) const {
+  double offset = 0.0;
+  for (const DepthPyramid& image : images_) {
+    const LightView& view = image.view();
+    const DVec3 q = view.frame.FromWorld(DVec3(point.position));
+    const DVec3 n = view.frame.DirectionFromWorld(DVec3(point.normal));
+    const DVec3 from_eye = view.from_infinity ? DVec3(-DVec2(view.eye), 1.0) : q - view.eye;
+    const double depth = view.from_infinity ? q.z - view.near : from_eye.z;
+    if (!(depth > 0)) continue;
+    const double cos_angle = glm::dot(n, from_eye) / glm::length(from_eye);
+    const double sin_angle = std::sqrt(std::max(0.0, 1 - cos_angle * cos_angle));
+    offset = std::max(
+        offset, bias_.pixels * PixelWidthAt(view, depth) * (0.5 + std::sqrt(0.5) * sin_angle) +
+                    bias_.relative * depth);
+  }
+  return offset;
+}
+
+void DepthImageTracer::Trace(const ShadowRays& rays, std::span<float> blocked_at,
+                             TraceCounts& counts) const {
+  const DVec3 origin = DVec3(rays.from.position) + OffsetOf(rays.from) * DVec3(rays.from.normal);
+  const double end = rays.at_infinity ? std::numeric_limits<double>::infinity() : kLightShare;
+  RayBatch batch(images_, accelerations_, origin, rays.wants_blockers);
+  for (size_t i = 0; i < rays.x.size(); ++i) {
+    const DVec3 target(rays.x[i], rays.y[i], rays.z[i]);
+    blocked_at[i] = batch.Trace(rays.at_infinity ? target : target - origin, end);
+  }
+  counts.rays += rays.x.size();
+  counts.steps += batch.steps();
+  counts.images += batch.images();
+}
+
+}  // namespace penumbra

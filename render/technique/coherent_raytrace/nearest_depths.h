@@ -1,0 +1,44 @@
+// For each pixel of a view, how near anything is that touches it.
+//
+//   const NearestDepths nearest(view, scene, arena);
+//   if (nearest.In({x0, y0}, {x1, y1}) < nearness) …  // the rays through the window are free
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "render/artifact/light_view.h"
+#include "render/scene/scene.h"
+#include "render/technique/coherent_raytrace/nearness.h"
+#include "tbb/task_arena.h"
+
+namespace penumbra {
+
+// Not at pixels' centres but wherever a caster's triangle, its mask ignored, touches the pixel: no
+// caster is nearer than what is said here, however small. A pyramid of the nearest of 2×2.
+//
+// Cost  40 ns · T for T triangles the size of a pixel, 2 ns a pixel, on one thread
+class NearestDepths {
+ public:
+  NearestDepths(const LightView& view, const Scene& scene, tbb::task_arena& arena);
+
+  const LightView& view() const { return view_; }
+  // The nearest anywhere in the picture.
+  float All() const { return levels_.back().nearest[0]; }
+  // The nearest of the pixels that the window from `min` to `max`, in pixels, touches, and perhaps
+  // of some around it; 0 for a window outside of the picture.
+  float In(Vec2 min, Vec2 max) const;
+  // Of pixel (x, y); 0 outside of the picture.
+  float At(int x, int y) const;
+
+ private:
+  struct Level {
+    int width, height;
+    std::vector<float> nearest;
+  };
+
+  LightView view_;
+  std::vector<Level> levels_;  // from the pixels to one node
+};
+
+}  // namespace penumbra

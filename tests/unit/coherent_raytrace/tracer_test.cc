@@ -1,0 +1,185 @@
+// Tracers against every triangle in double precision.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "render/light_view/raster_depth_source.h"
+#include "render/reference/occluder_triangles.h"
+#include "render/technique/coherent_raytrace/depth_image_tracer.h"
+#include "render/technique/coherent_raytrace/light_square.h"
+#include "render/technique/coherent_raytrace/reference_images.h"
+#include "render/technique/coherent_raytrace/triangle_tracer.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/shapes.h"
+
+namespace penumbra {
+namespace {
+
+struct Verdict {
+  bool blocked = false;
+  bool is_close = false;  // rounding may decide
+};
+
+Verdict Exact(const std::vector<OccluderTriangle>& triangles, DVec3 origin, DVec3 way, double end,
+              double slack) {
+  Verdict verdict;
+  for (const OccluderTriangle& triangle : triangles) {
+    const auto& [a, b, c] = triangle.corners;
+    const DVec3 e1 = b - a, e2 = c - a, normal = glm::cross(e1, e2);
+    const double steep = glm::dot(normal, way), area2 = glm::dot(normal, normal);
+    if (area2 < 1e-14 || std::abs(steep) < 1e-7 * std::sqrt(area2) * glm::length(way)) {
+      verdict.is_close |= area2 >= 1e-14;
+      continue;
+    }
+    const double t = glm::dot(normal, a - origin) / steep;
+    const DVec3 p = origin + t * way - a;
+    const double v = glm::dot(glm::cross(p, e2), normal) / area2;
+    const double w = glm::dot(glm::cross(e1, p), normal) / area2;
+    const double margin = std::min({v, w, 1 - v - w});
+    if (margin < -slack || t < -slack || t > end + slack) continue;
+    if (margin < slack || t < slack || std::abs(t - end) < slack || triangle.masked) {
+      verdict.is_close = true;
+    } else {
+      verdict.blocked = true;
+    }
+  }
+  return verdict;
+}
+
+struct Batch {
+  std::vector<float> x, y, z;
+  SurfacePoint from;
+  bool at_infinity;
+
+  std::vector<float> Trace(const ShadowTracer& tracer, bool wants_blockers) const {
+    std::vector<float> blocked_at(x.size());
+    TraceCounts counts;
+    tracer.Trace({.from = from,
+                  .at_infinity = at_infinity,
+                  .wants_blockers = wants_blockers,
+                  .x = x,
+                  .y = y,
+                  .z = z},
+                 blocked_at, counts);
+    EXPECT_EQ(counts.rays, x.size());
+    return blocked_at;
+  }
+};
+
+Batch RandomBatch(testing::Dice& dice, const LightSquare& square, size_t count) {
+  Batch batch{.from = {dice.InCube(2), dice.Direction()}, .at_infinity = square.is_at_infinity()};
+  const LightSquare::Seen seen = square.From(batch.from.position);
+  for (size_t i = 0; i < count; ++i) {
+    const Vec3 target = seen.TargetAt({dice.Between(0, 1), dice.Between(0, 1)});
+    batch.x.push_back(target.x), batch.y.push_back(target.y), batch.z.push_back(target.z);
+  }
+  return batch;
+}
+
+TEST(TriangleTracerTest, IsExactInRandomScenes) {
+  CasterBvhs bvhs;
+  size_t compared = 0, wrong = 0, blocked_rays = 0;
+  for (uint64_t seed = 0; seed < 60; ++seed) {
+    testing::Dice dice(seed);
+    const auto scene = testing::RandomScene(seed);
+    const auto triangles = OccluderTriangles(*scene);
+    const LightSquare square(*scene->FindLight("light"));
+    const TriangleTracer tracer(bvhs.Flat(*scene), 0.0f);
+    for (int i = 0; i < 40; ++i) {
+      const Batch batch = RandomBatch(dice, square, 1 + dice.Below(21));
+      const auto blocked_at = batch.Trace(tracer, true);
+      const auto blocked = batch.Trace(tracer, false);
+      for (size_t k = 0; k < blocked_at.size(); ++k) {
+        EXPECT_EQ(blocked_at[k] == kUnblocked, blocked[k] == kUnblocked);
+        const DVec3 origin(batch.from.position), target(batch.x[k], batch.y[k], batch.z[k]);
+        const DVec3 way = square.is_at_infinity() ? target : target - origin;
+        const double end = square.is_at_infinity() ? 1e9 : 1 - 0x1p-16;
+        const Verdict exact = Exact(triangles, origin, way, end, 1e-4);
+        if (exact.is_close) continue;
+        ++compared;
+        blocked_rays += exact.blocked;
+        wrong += exact.blocked != (blocked_at[k] != kUnblocked);
+      }
+    }
+  }
+  EXPECT_GT(compared, 10'000u);
+  EXPECT_GT(blocked_rays, 1'000u);
+  EXPECT_LE(wrong, compared / 5000) << "of " << compared;
+}
+
+TEST(TriangleTracerTest, BlockersLieOnTriangles) {
+  const auto box = testing::MeshOf(testing::UnitBoxGeometry());
+  SceneDelta delta;
+  delta.upsert_instances = {
+      {.id = "box", .mesh = box, .world_from_mesh = testing::Placed(Vec3(0, 2, 0), 0.5f)}};
+  const auto scene = Scene::Empty("s")->Apply(delta).value();
+  CasterBvhs bvhs;
+  const TriangleTracer tracer(bvhs.Flat(*scene), 0.0f);
+  testing::Dice dice(3);
+  Batch batch{.from = {Vec3(0), Vec3(0, 1, 0)}, .at_infinity = false};
+  for (int i = 0; i < 19; ++i) {
+    batch.x.push_back(dice.Between(-0.9f, 0.9f)), batch.y.push_back(4);
+    batch.z.push_back(dice.Between(-0.9f, 0.9f));
+  }
+  const auto blocked_at = batch.Trace(tracer, true);
+  for (size_t i = 0; i < batch.x.size(); ++i) {
+    ASSERT_NE(blocked_at[i], kUnblocked);
+    const Vec3 on =
+        glm::abs(blocked_at[i] * Vec3(batch.x[i], batch.y[i], batch.z[i]) - Vec3(0, 2, 0));
+    EXPECT_NEAR(std::max({on.x, on.y, on.z}), 0.5f, 1e-5f);
+  }
+}
+
+TEST(DepthImageTracerTest, SwitchesChangeLittleAndConnectednessNothing) {
+  CasterBvhs bvhs;
+  tbb::task_arena arena(2);
+  size_t rays = 0, wrong = 0, differ = 0;
+  for (uint64_t seed = 0; seed < 36; ++seed) {
+    testing::Dice dice(seed);
+    const auto scene = testing::RandomScene(seed);
+    const AreaLight& light = *scene->FindLight("light");
+    RasterDepthSource source(*scene, arena);
+    const auto images = DrawReferenceImages(light, *scene, {.pixels = 512}, source);
+    ASSERT_TRUE(images.ok()) << images.status();
+    const LightSquare square(light);
+    const TriangleTracer triangles(bvhs.Flat(*scene), SurfaceOffset(scene->Bounds()));
+    const DepthImageTracer plain(*images, RayAccelerations::None());
+    RayAccelerations connected = RayAccelerations::None();
+    connected.connectedness = true;
+    const DepthImageTracer joined(*images, connected), fast(*images, {});
+    for (int i = 0; i < 40; ++i) {
+      const Batch batch = RandomBatch(dice, square, 8);
+      const auto truth = batch.Trace(triangles, false), slow = batch.Trace(plain, true);
+      const auto by_surfaces = batch.Trace(joined, false), quick = batch.Trace(fast, true);
+      for (size_t k = 0; k < truth.size(); ++k) {
+        ++rays;
+        wrong += (truth[k] == kUnblocked) != (slow[k] == kUnblocked);
+        differ += (quick[k] == kUnblocked) != (slow[k] == kUnblocked);
+        EXPECT_EQ(by_surfaces[k] == kUnblocked, slow[k] == kUnblocked);
+      }
+    }
+  }
+  // Random scenes are full of what depth images show badly: points inside of things, slivers.
+  EXPECT_LE(wrong, rays / 12) << "of " << rays;
+  EXPECT_LE(differ, rays / 50) << "of " << rays;
+}
+
+TEST(DepthImageTracerTest, NamesTheFieldThatIsWrong) {
+  tbb::task_arena arena(1);
+  const auto scene = testing::RandomScene(0);
+  RasterDepthSource source(*scene, arena);
+  const AreaLight& light = *scene->FindLight("light");
+  const auto message = [&](const ReferenceImageSettings& settings) {
+    const auto images = DrawReferenceImages(light, *scene, settings, source);
+    EXPECT_EQ(images.status().code(), absl::StatusCode::kInvalidArgument);
+    return std::string(images.status().message());
+  };
+  EXPECT_EQ(message({.pixels = 0}), "reference.pixels: found 0, need 1 to 8192");
+  EXPECT_EQ(message({.gap = {.metres = NAN}}), "reference.gap: found nan, need a number >= 0");
+  EXPECT_EQ(message({.places = {Vec3(0), Vec3(0, NAN, 0)}}),
+            "reference.places[1]: need finite numbers");
+}
+
+}  // namespace
+}  // namespace penumbra
