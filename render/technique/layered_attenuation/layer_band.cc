@@ -47,9 +47,7 @@ LayerBand::Found LayerBand::Add(const PixelSurface& surface, const LayerToleranc
   uint32_t others = 0;
   while (*link != kNone) {
     const uint32_t k = *link;
-    const float known =
-        SlackOf(nearness_[k], gradient_x_[k], gradient_y_[k], tolerance, from_infinity);
-    if (std::abs(nearness_[k] - p.nearness) <= std::max(slack, known)) return Found::kKnown;
+    if (std::abs(nearness_[k] - p.nearness) <= slack) return Found::kKnown;
     if (++others == most) return Found::kTooMany;
     link = &nexts_[k];
   }

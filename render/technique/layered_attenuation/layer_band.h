@@ -27,8 +27,9 @@ class LayerBand {
   size_t bytes() const;
 
   enum class Found { kKnown, kNew, kTooMany };
-  // Adds a layer with the count 0 unless the pixel has one within the tolerance of either, or has
-  // `most` others.
+  // Adds a layer with the count 0 unless the pixel has one within the surface's own tolerance, or
+  // has `most` others. The tolerances of layers do not count: a steep one may reach a flat surface
+  // behind, whose points would then look for a layer where there is none.
   Found Add(const PixelSurface& surface, const LayerTolerance& tolerance, bool from_infinity,
             uint32_t most);
 
