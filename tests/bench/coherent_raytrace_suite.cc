@@ -232,7 +232,7 @@ std::vector<Row> CoherentRaytraceSuite(const BenchOptions& options) {
     const auto seen = bvhs.Of(*model.scene, CasterBvhs::Instances::kAll);
     const PeersBvh peers_bvh(*model.scene);
     const SurfacePoints points = OrDie(
-        VisiblePoints(*seen, model.camera, kPixels, kPixels, {0, 0, kPixels, kPixels}, arena));
+        VisiblePoints(*seen, {.camera = model.camera, .width = kPixels, .height = kPixels}, arena));
     const std::string prefix = "coherent_raytrace." + model.name + ".";
     std::array<double, 2> rays{};
     for (const uint32_t side : {8u, 16u}) {

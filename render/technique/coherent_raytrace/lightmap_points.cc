@@ -1,9 +1,5 @@
-#include <algorithm>
 #include <array>
-#include <cmath>
 
-#include "absl/strings/str_cat.h"
-#include "render/scene/field_error.h"
 #include "render/technique/coherent_raytrace/surface_points.h"
 
 namespace penumbra {
@@ -24,8 +20,10 @@ void Cover(const Chart& chart, SurfacePoints& points) {
   const DVec3 across = glm::cross(chart.world[1] - chart.world[0], chart.world[2] - chart.world[0]);
   const double length = glm::length(across);
   if (area2 == 0 || !(length > 0)) return;
-  const DVec2 min = glm::max(glm::min(a, glm::min(b, c)), DVec2(0.0));
-  const DVec2 max = glm::min(glm::max(a, glm::max(b, c)), DVec2(points.width, points.height));
+  // A uv may be far outside of the map, beyond what an integer holds.
+  const DVec2 size(points.width, points.height);
+  const DVec2 min = glm::clamp(glm::min(a, glm::min(b, c)), DVec2(0.0), size);
+  const DVec2 max = glm::clamp(glm::max(a, glm::max(b, c)), DVec2(0.0), size);
   for (auto y = static_cast<uint32_t>(min.y); y < max.y; ++y) {
     for (auto x = static_cast<uint32_t>(min.x); x < max.x; ++x) {
       const DVec2 middle(x + 0.5, y + 0.5);
@@ -42,29 +40,20 @@ void Cover(const Chart& chart, SurfacePoints& points) {
 
 }  // namespace
 
-absl::StatusOr<SurfacePoints> LightmapPoints(const Instance& instance, uint32_t width,
-                                             uint32_t height) {
-  if (absl::Status status = CheckPictureSize(width, height); !status.ok()) return status;
+absl::StatusOr<SurfacePoints> LightmapPoints(const Instance& instance,
+                                             const LightmapTexels& lightmap,
+                                             const std::stop_token& stop) {
   const Mesh& mesh = *instance.mesh;
-  if (mesh.uvs().empty()) {
-    return FieldError(absl::StatusCode::kFailedPrecondition, "MISSING_UV", "instance",
-                      absl::StrCat("found ", instance.id,
-                                   ", whose mesh has no uv coordinates, need a mesh with some"));
-  }
-  SurfacePoints points{.width = width, .height = height};
-  points.points.resize(size_t{width} * height);
-  points.is_there.resize(size_t{width} * height);
+  SurfacePoints points = NoPoints(GridOf(lightmap));
   for (size_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (stop.stop_requested()) return absl::CancelledError("stopped");
     Chart chart;
     for (size_t k = 0; k < 3; ++k) {
       const uint32_t corner = mesh.indices()[3 * t + k];
-      chart.texel[k] = DVec2(mesh.uvs()[corner]) * DVec2(width, height);
+      chart.texel[k] = DVec2(mesh.uvs()[corner]) * DVec2(points.width, points.height);
       chart.world[k] = DVec3(TransformPoint(instance.world_from_mesh, mesh.positions()[corner]));
     }
-    // A uv far outside of the map has no texel there.
-    if (std::ranges::all_of(chart.texel, [](DVec2 p) { return std::isfinite(p.x + p.y); })) {
-      Cover(chart, points);
-    }
+    Cover(chart, points);
   }
   return points;
 }

@@ -26,15 +26,13 @@ struct Finder {
   absl::StatusOr<SurfacePoints> operator()(const PicturePixels& picture) const {
     const auto all = bvhs.Of(scene, CasterBvhs::Instances::kAll);
     if (!all->status().ok()) return all->status();
-    return VisiblePoints(*all, picture.camera, picture.width, picture.height, picture.part(), arena,
-                         stop);
+    return VisiblePoints(*all, picture, arena, stop);
   }
   absl::StatusOr<SurfacePoints> operator()(const LightmapTexels& lightmap) const {
-    return LightmapPoints(*scene.FindInstance(lightmap.instance_id), lightmap.width,
-                          lightmap.height);
+    return LightmapPoints(*scene.FindInstance(lightmap.instance_id), lightmap, stop);
   }
   absl::StatusOr<SurfacePoints> operator()(const GivenPoints& given) const {
-    return ListedPoints(*given.points);
+    return ListedPoints(given);
   }
 };
 

@@ -4,38 +4,22 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
-#include "absl/strings/str_cat.h"
 #include "render/math/parallel_for.h"
-#include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
 
 constexpr uint32_t kBlock = 4;  // pixels along a side of a packet
 constexpr uint32_t kPacket = kBlock * kBlock;
-constexpr uint32_t kMaxSide = 16384;  // pixels of a picture, texels of a lightmap
-
-absl::Status RangeError(std::string_view field, uint32_t found) {
-  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field,
-                    absl::StrCat("found ", found, ", need 1 to ", kMaxSide));
-}
-
-SurfacePoints NoPoints(uint32_t width, uint32_t height) {
-  SurfacePoints points{.width = width, .height = height};
-  points.points.resize(size_t{width} * height);
-  points.is_there.resize(size_t{width} * height);
-  return points;
-}
 
 // Directions through pixels, towards the scene.
 struct EyeRays {
-  EyeRays(const Camera& camera, uint32_t width, uint32_t height)
-      : eye(camera.eye),
-        world_from_clip(glm::inverse(ClipFromWorld(camera, double(width) / height))),
-        size(width, height) {}
+  explicit EyeRays(const PicturePixels& picture)
+      : eye(picture.camera.eye),
+        world_from_clip(glm::inverse(ClipFromWorld(picture.camera, picture.aspect()))),
+        size(picture.width, picture.height) {}
 
   Vec3 Through(uint32_t x, uint32_t y) const {
     const DVec2 at = DVec2(2 * (x + 0.5) / size.x - 1, 1 - 2 * (y + 0.5) / size.y);
@@ -64,7 +48,7 @@ void TakeHits(const RTCRayHit16& packet, const std::array<int, kPacket>& valid,
   }
 }
 
-void SeeBlock(RTCScene scene, const EyeRays& rays, const PixelRect& crop, uint32_t bx, uint32_t by,
+void SeeBlock(RTCScene scene, const EyeRays& rays, const PixelRect& part, uint32_t bx, uint32_t by,
               SurfacePoints& points) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -74,9 +58,9 @@ void SeeBlock(RTCScene scene, const EyeRays& rays, const PixelRect& crop, uint32
   std::array<size_t, kPacket> places{};
   for (uint32_t k = 0; k < kPacket; ++k) {
     const uint32_t x = kBlock * bx + k % kBlock, y = kBlock * by + k / kBlock;
-    valid[k] = x < crop.width && y < crop.height ? -1 : 0;
-    places[k] = size_t{y} * crop.width + x;
-    const Vec3 direction = rays.Through(crop.x + x, crop.y + y), eye(rays.eye);
+    valid[k] = x < part.width && y < part.height ? -1 : 0;
+    places[k] = size_t{y} * part.width + x;
+    const Vec3 direction = rays.Through(part.x + x, part.y + y), eye(rays.eye);
     RTCRay16& r = packet.ray;
     r.org_x[k] = eye.x, r.org_y[k] = eye.y, r.org_z[k] = eye.z;
     r.dir_x[k] = direction.x, r.dir_y[k] = direction.y, r.dir_z[k] = direction.z;
@@ -90,31 +74,26 @@ void SeeBlock(RTCScene scene, const EyeRays& rays, const PixelRect& crop, uint32
 
 }  // namespace
 
-absl::Status CheckPictureSize(uint32_t width, uint32_t height) {
-  if (width < 1 || width > kMaxSide) return RangeError("width", width);
-  if (height < 1 || height > kMaxSide) return RangeError("height", height);
-  return absl::OkStatus();
+SurfacePoints NoPoints(GridExtent grid) {
+  const size_t count = size_t{grid.width} * grid.height;
+  return {.width = grid.width,
+          .height = grid.height,
+          .points = std::vector<SurfacePoint>(count),
+          .is_there = std::vector<uint8_t>(count)};
 }
 
-absl::StatusOr<SurfacePoints> VisiblePoints(const CasterBvh& instances, const Camera& camera,
-                                            uint32_t width, uint32_t height, const PixelRect& crop,
-                                            tbb::task_arena& arena, const std::stop_token& stop) {
-  if (absl::Status status = CheckCamera(camera); !status.ok()) return status;
-  if (absl::Status status = CheckPictureSize(width, height); !status.ok()) return status;
-  if (crop.width < 1 || crop.height < 1 || crop.x >= width || crop.y >= height ||
-      crop.width > width - crop.x || crop.height > height - crop.y) {
-    return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "crop",
-                      absl::StrCat("found ", crop.width, " x ", crop.height, " at (", crop.x, ", ",
-                                   crop.y, "), need a part of ", width, " x ", height));
-  }
-  SurfacePoints points = NoPoints(crop.width, crop.height);
-  const EyeRays rays(camera, width, height);
-  const uint32_t across = (crop.width + kBlock - 1) / kBlock;
+absl::StatusOr<SurfacePoints> VisiblePoints(const CasterBvh& instances,
+                                            const PicturePixels& picture, tbb::task_arena& arena,
+                                            const std::stop_token& stop) {
+  const PixelRect part = picture.part();
+  SurfacePoints points = NoPoints({part.width, part.height});
+  const EyeRays rays(picture);
+  const uint32_t across = (part.width + kBlock - 1) / kBlock;
   RunIn(arena, [&] {
-    ParallelFor((crop.height + kBlock - 1) / kBlock, [&](uint32_t by) {
+    ParallelFor((part.height + kBlock - 1) / kBlock, [&](uint32_t by) {
       if (stop.stop_requested()) return;
       for (uint32_t bx = 0; bx < across; ++bx) {
-        SeeBlock(instances.embree(), rays, crop, bx, by, points);
+        SeeBlock(instances.embree(), rays, part, bx, by, points);
       }
     });
   });
@@ -122,20 +101,11 @@ absl::StatusOr<SurfacePoints> VisiblePoints(const CasterBvh& instances, const Ca
   return points;
 }
 
-absl::StatusOr<SurfacePoints> ListedPoints(std::span<const SurfacePoint> listed) {
-  SurfacePoints points = NoPoints(static_cast<uint32_t>(listed.size()), listed.empty() ? 0 : 1);
-  const auto invalid = [](size_t i, const char* field, std::string_view reason,
-                          std::string_view need) {
-    return FieldError(absl::StatusCode::kInvalidArgument, reason,
-                      absl::StrCat("points[", i, "].", field), need);
-  };
-  for (size_t i = 0; i < listed.size(); ++i) {
-    const auto& [position, normal] = listed[i];
-    if (!IsFinite(position)) return invalid(i, "position", "NON_FINITE", "need finite numbers");
-    if (!IsFinite(normal)) return invalid(i, "normal", "NON_FINITE", "need finite numbers");
-    const double length = glm::length(DVec3(normal));
-    if (!(length > 0)) return invalid(i, "normal", "ZERO_LENGTH", "found length 0, need > 0");
-    points.points[i] = {position, Vec3(DVec3(normal) / length)};
+SurfacePoints ListedPoints(const GivenPoints& given) {
+  SurfacePoints points = NoPoints(GridOf(given));
+  for (size_t i = 0; i < points.size(); ++i) {
+    const auto& [position, normal] = (*given.points)[i];
+    points.points[i] = {position, Vec3(glm::normalize(DVec3(normal)))};
     points.is_there[i] = 1;
   }
   return points;

@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <stop_token>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "render/light_view/caster_bvh.h"
-#include "render/scene/camera.h"
+#include "render/scene/point_receiver.h"
 #include "render/technique/coherent_raytrace/shadow_tracer.h"
 #include "tbb/task_arena.h"
 
@@ -24,32 +23,33 @@ struct SurfacePoints {
   size_t size() const { return points.size(); }
 };
 
-// Errors  kInvalidArgument, RANGE: "width", "height": not 1 to 16384
-absl::Status CheckPictureSize(uint32_t width, uint32_t height);
+// As many, none of which is there.
+SurfacePoints NoPoints(GridExtent grid);
 
-// What the pixels' middles of a picture of `width` × `height` see, in the part `crop` of it; row 0
-// on top. Normals are those of the triangles, towards the eye.
+// What follows takes what Check(PointReceiver) has found to be right.
+
+// What the pixels' middles of the picture's part see; row 0 on top. Normals are those of the
+// triangles, towards the eye.
 //
 // instances  all that the camera sees (CasterBvhs::Instances::kAll)
-// Errors     those of CheckCamera; kInvalidArgument, RANGE: "width", "height", "crop"; kCancelled
+// Errors     kCancelled
 // Cost       about 10 million pixels a second on two threads
-absl::StatusOr<SurfacePoints> VisiblePoints(const CasterBvh& instances, const Camera& camera,
-                                            uint32_t width, uint32_t height, const PixelRect& crop,
-                                            tbb::task_arena& arena,
+absl::StatusOr<SurfacePoints> VisiblePoints(const CasterBvh& instances,
+                                            const PicturePixels& picture, tbb::task_arena& arena,
                                             const std::stop_token& stop = {});
 
 // A client's own points, their normals made of length 1.
-//
-// Errors  kInvalidArgument, NON_FINITE or ZERO_LENGTH: "points[3].position", "points[3].normal"
-absl::StatusOr<SurfacePoints> ListedPoints(std::span<const SurfacePoint> points);
+SurfacePoints ListedPoints(const GivenPoints& given);
 
-// The texels of a lightmap of `width` × `height` on the mesh's uv set: those whose middle is in a
-// triangle, of several in the first. Texel (i, j) is centred at uv ((i + ½)/W, (j + ½)/H), normals
-// are those of the triangles' fronts.
+// The texels of a lightmap on the uvs of the instance's mesh, which has some: those whose middle is
+// in a triangle, of several in the first. Texel (i, j) is centred at uv ((i + ½)/W, (j + ½)/H),
+// normals are those of the triangles' fronts.
 //
-// Errors  kInvalidArgument: RANGE "width", "height"; kFailedPrecondition, MISSING_UV: "instance"
-absl::StatusOr<SurfacePoints> LightmapPoints(const Instance& instance, uint32_t width,
-                                             uint32_t height);
+// Errors  kCancelled
+// Cost    O(texels of the triangles' bounding boxes), on one thread
+absl::StatusOr<SurfacePoints> LightmapPoints(const Instance& instance,
+                                             const LightmapTexels& lightmap,
+                                             const std::stop_token& stop = {});
 
 // How far neighbours are from each other, in m: the median over those in a row; 0 where there are
 // none.

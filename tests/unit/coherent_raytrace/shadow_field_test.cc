@@ -42,8 +42,9 @@ class ShadowFieldTest : public ::testing::Test {
     tracer_ =
         std::make_unique<TriangleTracer>(bvhs_.Flat(*scene_), SurfaceOffset(scene_->Bounds()));
     points_ =
-        VisiblePoints(*bvhs_.Of(*scene_, CasterBvhs::Instances::kAll),
-                      {.eye = {1, 3, 3}, .target = {0, 0, 0}}, 100, 80, {0, 0, 100, 80}, arena_)
+        VisiblePoints(
+            *bvhs_.Of(*scene_, CasterBvhs::Instances::kAll),
+            {.camera = {.eye = {1, 3, 3}, .target = {0, 0, 0}}, .width = 100, .height = 80}, arena_)
             .value();
   }
 

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
 
-#include "render/scene/field_error.h"
 #include "tests/support/shapes.h"
 
 namespace penumbra {
@@ -27,10 +30,11 @@ std::shared_ptr<const Scene> BoxOnAFloor() {
 class VisiblePointsTest : public ::testing::Test {
  protected:
   absl::StatusOr<SurfacePoints> See(const Camera& camera, uint32_t width, uint32_t height,
-                                    const PixelRect& crop) {
+                                    const PixelRect& crop = {}, const std::stop_token& stop = {}) {
     const auto scene = BoxOnAFloor();
-    return VisiblePoints(*bvhs_.Of(*scene, CasterBvhs::Instances::kAll), camera, width, height,
-                         crop, arena_);
+    return VisiblePoints(*bvhs_.Of(*scene, CasterBvhs::Instances::kAll),
+                         {.camera = camera, .width = width, .height = height, .crop = crop}, arena_,
+                         stop);
   }
   CasterBvhs bvhs_;
   tbb::task_arena arena_{2};
@@ -38,7 +42,7 @@ class VisiblePointsTest : public ::testing::Test {
 };
 
 TEST_F(VisiblePointsTest, ProjectBackToTheirPixels) {
-  const auto points = See(camera_, 60, 40, {0, 0, 60, 40});
+  const auto points = See(camera_, 60, 40);
   ASSERT_TRUE(points.ok()) << points.status();
   const DMat4 clip = ClipFromWorld(camera_, 1.5);
   size_t on_floor = 0, on_box = 0;
@@ -58,7 +62,7 @@ TEST_F(VisiblePointsTest, ProjectBackToTheirPixels) {
 }
 
 TEST_F(VisiblePointsTest, ACropIsThatPartOfThePicture) {
-  const auto whole = See(camera_, 60, 40, {0, 0, 60, 40});
+  const auto whole = See(camera_, 60, 40);
   const auto part = See(camera_, 60, 40, {13, 7, 21, 18});
   ASSERT_TRUE(whole.ok() && part.ok());
   for (uint32_t y = 0; y < 18; ++y) {
@@ -72,44 +76,56 @@ TEST_F(VisiblePointsTest, ACropIsThatPartOfThePicture) {
 
 TEST_F(VisiblePointsTest, LookingAtNothingOrFromInsideIsNoError) {
   const Camera away{.eye = {0, 5, 0}, .target = {0, 9, 0}};
-  const auto nothing = See(away, 16, 16, {0, 0, 16, 16});
+  const auto nothing = See(away, 16, 16);
   ASSERT_TRUE(nothing.ok());
   EXPECT_EQ(std::count(nothing->is_there.begin(), nothing->is_there.end(), 1), 0);
   EXPECT_EQ(SpacingOf(*nothing), 0.0f);
   const Camera inside{.eye = {0, 0.5f, 0}, .target = {1, 0.5f, 0}};
-  const auto walls = See(inside, 16, 16, {0, 0, 16, 16});
+  const auto walls = See(inside, 16, 16);
   ASSERT_TRUE(walls.ok());
   EXPECT_EQ(std::count(walls->is_there.begin(), walls->is_there.end(), 1), 256);
 }
 
-TEST_F(VisiblePointsTest, RefusesWhatIsNoPicture) {
-  EXPECT_EQ(See(camera_, 0, 4, {0, 0, 1, 1}).status().message(), "width: found 0, need 1 to 16384");
-  EXPECT_EQ(See(camera_, 60, 40, {50, 0, 11, 1}).status().message(),
-            "crop: found 11 x 1 at (50, 0), need a part of 60 x 40");
-  EXPECT_EQ(ErrorFieldPath(See({.eye = {NAN, 0, 0}}, 4, 4, {0, 0, 4, 4}).status()), "camera.eye");
+// Of a picture that is larger than any that is computed in one piece.
+TEST_F(VisiblePointsTest, ADeepZoomIsAPartOfAVeryLargePicture) {
+  constexpr uint32_t kSide = 1u << 20;
+  const PixelRect crop{.x = kSide / 2 - 8, .y = kSide / 2 - 4, .width = 16, .height = 8};
+  const PointReceiver picture =
+      PicturePixels{.camera = camera_, .width = kSide, .height = kSide, .crop = crop};
+  ASSERT_TRUE(Check(picture).ok());
+  const auto points = See(camera_, kSide, kSide, crop);
+  ASSERT_TRUE(points.ok()) << points.status();
+  EXPECT_EQ(points->size(), 128u);
+  // All about where the camera looks at, on the box.
+  const Vec3 way = glm::normalize(camera_.target - camera_.eye);
+  for (size_t i = 0; i < points->size(); ++i) {
+    ASSERT_TRUE(points->is_there[i]);
+    EXPECT_GT(glm::dot(glm::normalize(points->points[i].position - camera_.eye), way), 1 - 1e-6f);
+  }
 }
 
-TEST(ListedPointsTest, AreNormalizedOrNamed) {
-  const std::vector<SurfacePoint> points = {{{1, 2, 3}, {0, 0, 4}}, {{0, 0, 0}, {0, 1e-20f, 0}}};
-  const auto listed = ListedPoints(points);
-  ASSERT_TRUE(listed.ok()) << listed.status();
-  EXPECT_EQ(listed->width, 2u);
-  EXPECT_EQ(listed->points[0].normal, Vec3(0, 0, 1));
-  EXPECT_EQ(listed->points[1].normal, Vec3(0, 1, 0));
-  const auto message = [](SurfacePoint bad) {
-    return std::string(ListedPoints(std::vector{SurfacePoint{}, bad}).status().message());
-  };
-  EXPECT_EQ(message({Vec3(0), Vec3(0)}), "points[1].normal: found length 0, need > 0");
-  EXPECT_EQ(message({Vec3(INFINITY), Vec3(0, 1, 0)}), "points[1].position: need finite numbers");
-  EXPECT_EQ(message({Vec3(0), Vec3(0, NAN, 0)}), "points[1].normal: need finite numbers");
-  EXPECT_EQ(ListedPoints({})->size(), 0u);
+TEST_F(VisiblePointsTest, StopsWhenAsked) {
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(See(camera_, 60, 40, {}, stop.get_token()).status().code(),
+            absl::StatusCode::kCancelled);
+}
+
+TEST(ListedPointsTest, AreNormalized) {
+  const SurfacePoints listed = ListedPoints({std::make_shared<const std::vector<SurfacePoint>>(
+      std::vector<SurfacePoint>{{{1, 2, 3}, {0, 0, 4}}, {{0, 0, 0}, {0, 1e-20f, 0}}})});
+  EXPECT_EQ(listed.width, 2u);
+  EXPECT_EQ(listed.height, 1u);
+  EXPECT_EQ(listed.points[0].position, Vec3(1, 2, 3));
+  EXPECT_EQ(listed.points[0].normal, Vec3(0, 0, 1));
+  EXPECT_EQ(listed.points[1].normal, Vec3(0, 1, 0));
 }
 
 TEST(LightmapPointsTest, TexelsLieWhereTheirUvSays) {
   const Instance floor{.id = "floor",
                        .mesh = testing::MeshOf(testing::UnitSquareGeometry()),
                        .world_from_mesh = testing::Placed(Vec3(1, 2, 3), 2.0f)};
-  const auto points = LightmapPoints(floor, 8, 4);
+  const auto points = LightmapPoints(floor, {"floor", 8, 4});
   ASSERT_TRUE(points.ok()) << points.status();
   for (uint32_t y = 0; y < 4; ++y) {
     for (uint32_t x = 0; x < 8; ++x) {
@@ -121,9 +137,26 @@ TEST(LightmapPointsTest, TexelsLieWhereTheirUvSays) {
       EXPECT_EQ(points->points[i].normal, Vec3(0, 1, 0));
     }
   }
-  const Instance bare{.id = "bare", .mesh = testing::MeshOf(testing::UnitBoxGeometry())};
-  EXPECT_EQ(LightmapPoints(bare, 8, 8).status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_EQ(ErrorFieldPath(LightmapPoints(floor, 8, 0).status()), "height");
+}
+
+// Texel coordinates beyond what an integer holds, on either side of the map.
+TEST(LightmapPointsTest, TrianglesFarOutsideOfTheMapCoverNothing) {
+  for (const float far : {-9e8f, 9e8f}) {
+    MeshGeometry geometry = testing::UnitSquareGeometry();
+    for (Vec2& uv : geometry.uvs) uv = 0.5f * uv + Vec2(far);
+    const Instance floor{.id = "floor", .mesh = testing::MeshOf(std::move(geometry))};
+    const auto points = LightmapPoints(floor, {"floor", 64, 64});
+    ASSERT_TRUE(points.ok()) << points.status();
+    EXPECT_EQ(std::ranges::count(points->is_there, 1), 0) << far;
+  }
+}
+
+TEST(LightmapPointsTest, StopsWhenAsked) {
+  const Instance floor{.id = "floor", .mesh = testing::MeshOf(testing::UnitSquareGeometry())};
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(LightmapPoints(floor, {"floor", 8, 4}, stop.get_token()).status().code(),
+            absl::StatusCode::kCancelled);
 }
 
 }  // namespace

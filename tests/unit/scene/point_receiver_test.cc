@@ -82,6 +82,7 @@ TEST(PointReceiver, PointsThatCannotBeAreNamed) {
   EXPECT_EQ(Fault(GivenPoints{}), "given RANGE");
   EXPECT_EQ(Fault(Given(std::vector<SurfacePoint>(kMaxGivenPoints + 1))), "given QUOTA_POINTS");
   EXPECT_EQ(Fault(Given({{}, {.position = Vec3(0, kNan, 0)}})), "given[1].position NON_FINITE");
+  EXPECT_EQ(Fault(Given({{.position = Vec3(INFINITY)}})), "given[0].position NON_FINITE");
   EXPECT_EQ(Fault(Given({{.position = Vec3(2e9f)}})), "given[0].position OUT_OF_BOUNDS");
   EXPECT_EQ(Fault(Given({{}, {}, {.normal = Vec3(0)}})), "given[2].normal RANGE");
   EXPECT_EQ(Fault(Given({{.normal = Vec3(kNan)}})), "given[0].normal RANGE");
