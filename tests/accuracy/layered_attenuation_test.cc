@@ -1,7 +1,6 @@
 // Attenuation LDIs of 512 pixels against rays from a camera's visible points to the same samples.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -11,15 +10,11 @@
 #include "tests/accuracy/ledger.h"
 #include "tests/support/ldi_study.h"
 #include "tests/support/rippled_torus.h"
+#include "tests/support/scenes_folder.h"
 #include "tests/support/shapes.h"
 
 namespace penumbra::testing {
 namespace {
-
-std::filesystem::path ScenesFolder() {
-  const char* const folder = std::getenv("PENUMBRA_SCENES");
-  return folder != nullptr ? folder : PENUMBRA_DEFAULT_SCENES;
-}
 
 struct Worst {
   double mean = 0, p99 = 0;
@@ -64,13 +59,14 @@ TEST(LayeredAttenuationAccuracyTest, ScenesOfOurOwnAgreeWithRays) {
 }
 
 TEST(LayeredAttenuationAccuracyTest, ScenesOfOtherAuthorsAgreeWithRays) {
-  if (!std::filesystem::exists(ScenesFolder())) {
-    GTEST_SKIP() << ScenesFolder() << " is not there; PENUMBRA_SCENES names a folder of scenes";
+  const auto folder = ScenesFolder(PENUMBRA_DEFAULT_SCENES);
+  if (!std::filesystem::exists(folder)) {
+    GTEST_SKIP() << folder << " is not there; PENUMBRA_SCENES names a folder of scenes";
   }
   Worst worst;
   for (const char* name : {"stanford-dragon-res2/dragon_vrip_res2.ply", "bridge-garden/scene.glb",
                            "flower/flower_blue.glb", "plants-unclear-licence/plants.gltf"}) {
-    const auto imported = ImportScene(ScenesFolder() / name);
+    const auto imported = ImportScene(folder / name);
     ASSERT_TRUE(imported.ok()) << name << ": " << imported.status();
     Compare(name, imported->instances, worst);
   }

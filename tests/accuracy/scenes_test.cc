@@ -1,5 +1,4 @@
 // The same on scenes of other authors, which are looked for where PENUMBRA_SCENES says.
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -9,14 +8,10 @@
 #include "render/technique/technique.h"
 #include "tests/accuracy/exactness.h"
 #include "tests/accuracy/ledger.h"
+#include "tests/support/scenes_folder.h"
 
 namespace penumbra::testing {
 namespace {
-
-std::filesystem::path ScenesFolder() {
-  const char* const folder = std::getenv("PENUMBRA_SCENES");
-  return folder != nullptr ? folder : PENUMBRA_DEFAULT_SCENES;
-}
 
 constexpr const char* kScenes[] = {
     "gazebo/gazebo.obj",
@@ -59,12 +54,13 @@ AreaLight Overhead(const Aabb& bounds) {
 }
 
 TEST(SceneExactnessTest, ScenesOfOtherAuthorsAgreeWithRays) {
-  if (!std::filesystem::exists(ScenesFolder())) {
-    GTEST_SKIP() << ScenesFolder() << " is not there; PENUMBRA_SCENES names a folder of scenes";
+  const auto folder = ScenesFolder(PENUMBRA_DEFAULT_SCENES);
+  if (!std::filesystem::exists(folder)) {
+    GTEST_SKIP() << folder << " is not there; PENUMBRA_SCENES names a folder of scenes";
   }
   Exactness total;
   for (const char* name : kScenes) {
-    const auto imported = ImportScene(ScenesFolder() / name);
+    const auto imported = ImportScene(folder / name);
     ASSERT_TRUE(imported.ok()) << name << ": " << imported.status();
     const Aabb bounds = Bounds(*imported);
     SceneDelta delta = ToSceneDelta(*imported);

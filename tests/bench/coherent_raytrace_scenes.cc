@@ -1,12 +1,12 @@
 #include "tests/bench/coherent_raytrace_scenes.h"
 
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 
 #include "client/cli/shadow_plan.h"
 #include "client/import/import_scene.h"
 #include "tests/bench/bench.h"
+#include "tests/support/scenes_folder.h"
 
 namespace penumbra::bench {
 namespace {
@@ -53,9 +53,9 @@ LitModel Lit(const Model& model, const std::filesystem::path& file) {
 
 std::vector<LitModel> LitModels() {
   std::vector<LitModel> models;
-  const char* const folder = std::getenv("PENUMBRA_SCENES");
+  const auto folder = testing::ScenesFolder("shared/scenes");
   for (const Model& model : kModels) {
-    const auto file = std::filesystem::path(folder ? folder : "shared/scenes") / model.file;
+    const auto file = folder / model.file;
     if (std::filesystem::exists(file)) {
       models.push_back(Lit(model, file));
     } else {

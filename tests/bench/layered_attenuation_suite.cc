@@ -15,6 +15,7 @@
 #include "tests/bench/bench.h"
 #include "tests/bench/display_rows.h"
 #include "tests/support/ldi_study.h"
+#include "tests/support/scenes_folder.h"
 
 namespace penumbra::bench {
 namespace {
@@ -33,11 +34,6 @@ constexpr NamedScene kScenes[] = {
     {"flower", "flower/flower_blue.glb"},
     {"plants", "plants-unclear-licence/plants.gltf"},
 };
-
-std::filesystem::path ScenesFolder() {
-  const char* const folder = std::getenv("PENUMBRA_SCENES");
-  return folder != nullptr ? folder : PENUMBRA_DEFAULT_SCENES;
-}
 
 // What rays tell, what the LDI tells, and the difference: grey is none, red too light, blue too
 // dark, in full colour at half of the light.
@@ -130,7 +126,7 @@ std::vector<Row> LayeredAttenuationSuite(const BenchOptions& options) {
     rows.insert(rows.end(), more.begin(), more.end());
   };
   for (const auto& [name, path] : kScenes) {
-    const auto imported = ImportScene(ScenesFolder() / path);
+    const auto imported = ImportScene(testing::ScenesFolder(PENUMBRA_DEFAULT_SCENES) / path);
     if (!imported.ok()) {
       std::fprintf(stderr, "penumbra_bench: layered_attenuation leaves %s out: %s\n", name,
                    std::string(imported.status().message()).c_str());

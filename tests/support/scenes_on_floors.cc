@@ -1,7 +1,6 @@
 #include "tests/support/scenes_on_floors.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 
 #include "client/import/import_scene.h"
@@ -32,11 +31,6 @@ absl::StatusOr<std::shared_ptr<const Scene>> WithFloor(std::vector<Instance> ins
 }
 
 }  // namespace
-
-std::filesystem::path ScenesFolder(const std::filesystem::path& fallback) {
-  const char* const folder = std::getenv("PENUMBRA_SCENES");
-  return folder != nullptr ? std::filesystem::path(folder) : fallback;
-}
 
 absl::StatusOr<std::shared_ptr<const Scene>> LoadOnFloor(const std::filesystem::path& file) {
   auto imported = ImportScene(file);

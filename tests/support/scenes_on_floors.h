@@ -1,6 +1,6 @@
 // Scenes of other authors, each on a floor under a lamp.
 //
-//   for (const SceneOnFloor& scene : ScenesOnFloors(folder)) …
+//   for (const auto& [name, path] : kScenesOnFloors) LoadOnFloor(ScenesFolder(fallback) / path);
 #pragma once
 
 #include <filesystem>
@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "render/scene/scene.h"
+#include "tests/support/scenes_folder.h"
 
 namespace penumbra::testing {
 
@@ -25,9 +26,6 @@ inline constexpr SceneFile kScenesOnFloors[] = {
     {"plants", "plants-unclear-licence/plants.gltf"},
     {"dragon", "stanford-dragon-res2/dragon_vrip_res2.ply"},
 };
-
-// Where PENUMBRA_SCENES says, or else `fallback`.
-std::filesystem::path ScenesFolder(const std::filesystem::path& fallback);
 
 // The instances in `file`, "floor" below them, three times as wide, and the one-sided rectangle
 // "lamp" as far above them as they are wide, and half as wide.

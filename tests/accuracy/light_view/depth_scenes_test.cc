@@ -13,6 +13,7 @@
 #include "render/light_view/ray_depth_source.h"
 #include "render/light_view/view_fit.h"
 #include "render/scene/light_sample.h"
+#include "tests/support/drawn_views.h"
 #include "tests/support/nearest_depth.h"
 #include "tests/support/scenes_on_floors.h"
 
@@ -32,16 +33,6 @@ std::vector<LightView> ViewsOf(const Scene& scene) {
     views.push_back(ViewFrom(face, sample, boxes, pitch).value());
   }
   return views;
-}
-
-std::vector<DepthMap> Draw(DepthSource& source, const std::vector<LightView>& views) {
-  std::vector<DepthMap> maps;
-  const auto status = source.Draw(views, {}, [&](size_t, DepthMap map) {
-    maps.push_back(std::move(map));
-    return absl::OkStatus();
-  });
-  EXPECT_TRUE(status.ok()) << status;
-  return maps;
 }
 
 struct Agreement {
@@ -101,9 +92,9 @@ TEST(DepthScenesTest, SourcesAgreeOnScenesOfOtherAuthors) {
     RayDepthSource rays(bvhs.Of(**scene), arena);
     GlDepthSource by_gl(**scene, **context, "a.method");
     const auto views = ViewsOf(**scene);
-    const auto drawn = Draw(raster, views);
-    ExpectAgreement(std::string(name) + " by rays", drawn, Draw(rays, views), triangles);
-    ExpectAgreement(std::string(name) + " by gl", drawn, Draw(by_gl, views), triangles);
+    const auto drawn = DrawAll(raster, views);
+    ExpectAgreement(std::string(name) + " by rays", drawn, DrawAll(rays, views), triangles);
+    ExpectAgreement(std::string(name) + " by gl", drawn, DrawAll(by_gl, views), triangles);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "render/light_view/view_fit.h"
 #include "render/scene/field_error.h"
 #include "tests/gl/display/software_context.h"
+#include "tests/support/drawn_views.h"
 #include "tests/support/nearest_depth.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/shapes.h"
@@ -23,36 +24,13 @@ namespace {
 
 class GlDepthSourceTest : public SoftwareContextTest {
  protected:
-  static std::vector<DepthMap> Draw(DepthSource& source, std::span<const LightView> views) {
-    std::vector<DepthMap> maps;
-    const auto status = source.Draw(views, {}, [&](size_t index, DepthMap map) {
-      EXPECT_EQ(index, maps.size());
-      maps.push_back(std::move(map));
-      return absl::OkStatus();
-    });
-    EXPECT_TRUE(status.ok()) << status;
-    return maps;
-  }
   std::vector<DepthMap> DrawByGl(const Scene& scene, std::span<const LightView> views) {
     GlDepthSource source(scene, *context_, "a.method");
-    return Draw(source, views);
+    return DrawAll(source, views);
   }
 
   tbb::task_arena arena_{2};
 };
-
-std::vector<LightView> ViewsOf(const Scene& scene, uint64_t seed, double side) {
-  const auto light = scene.FindLight("light");
-  const auto boxes = CasterBoxes(scene);
-  std::vector<LightView> views;
-  for (const LightFace& face : FacesOf(*light, scene.Bounds())) {
-    const double pitch = std::max(face.window.size().x, face.window.size().y) / side;
-    for (const LightSample& sample : SampleLight(*light, 2, seed, scene.Bounds().center())) {
-      if (const auto view = ViewFrom(face, sample, boxes, pitch)) views.push_back(*view);
-    }
-  }
-  return views;
-}
 
 // Straight down from the origin.
 LightView Down(double slope, uint32_t width, uint32_t height, double near, double far) {
@@ -75,7 +53,7 @@ TEST_F(GlDepthSourceTest, EveryPixelIsTheNearestTriangleInRandomScenes) {
   for (uint64_t seed = 0; seed < 24; ++seed) {
     const auto scene = RandomScene(seed);
     const auto triangles = OccluderTriangles(*scene);
-    for (const DepthMap& map : DrawByGl(*scene, ViewsOf(*scene, seed, 24))) {
+    for (const DepthMap& map : DrawByGl(*scene, SampledViews(*scene, seed, 24))) {
       const DepthComparison one = CompareWithNearest(map, triangles);
       all.compared += one.compared;
       all.differing += one.differing;
@@ -93,9 +71,9 @@ TEST_F(GlDepthSourceTest, AgreesWithTheCpuOnRandomScenes) {
   size_t pixels = 0, differing = 0, seen = 0;
   for (uint64_t seed = 100; seed < 112; ++seed) {
     const auto scene = RandomScene(seed);
-    const auto views = ViewsOf(*scene, seed, 120);
+    const auto views = SampledViews(*scene, seed, 120);
     RasterDepthSource raster(*scene, arena_);
-    const auto by_cpu = Draw(raster, views), by_gl = DrawByGl(*scene, views);
+    const auto by_cpu = DrawAll(raster, views), by_gl = DrawByGl(*scene, views);
     for (size_t i = 0; i < views.size(); ++i) {
       pixels += by_cpu[i].depths.size();
       seen += std::ranges::count_if(by_cpu[i].depths, [](float d) { return d != kNoDepth; });
@@ -115,7 +93,7 @@ TEST_F(GlDepthSourceTest, LargeViewsComeInBandsInTheirOrder) {
   const std::array views{Down(0.5, 30, 20, 0.1, 5), Down(0.5, 2500, 3100, 0.1, 5), LightView{},
                          Down(0.5, 1, 1, 0.1, 5)};
   RasterDepthSource raster(*scene, arena_);
-  const auto expected = Draw(raster, views), found = DrawByGl(*scene, views);
+  const auto expected = DrawAll(raster, views), found = DrawByGl(*scene, views);
   ASSERT_EQ(found.size(), views.size());
   for (size_t i = 0; i < views.size(); ++i) {
     ASSERT_EQ(found[i].depths.size(), expected[i].depths.size()) << i;
@@ -173,7 +151,7 @@ TEST_F(GlDepthSourceTest, ScalesFromAMicrometreToAThousandKilometres) {
 TEST_F(GlDepthSourceTest, AStopIsHeardAndErrorsArePassedOn) {
   const auto scene = RandomScene(2);
   GlDepthSource source(*scene, *context_, "a.method");
-  const std::vector<LightView> views(16, ViewsOf(*scene, 2, 16).at(0));
+  const std::vector<LightView> views(16, SampledViews(*scene, 2, 16).at(0));
   std::stop_source stop;
   size_t taken = 0;
   auto status = source.Draw(views, stop.get_token(), [&](size_t, DepthMap) {
@@ -210,7 +188,7 @@ TEST(LostContextTest, IsAnErrorNotACrash) {
   auto context = gl::Context::Create({.device = "software"});
   ASSERT_TRUE(context.ok()) << context.status();
   GlDepthSource source(*scene, **context, "a.method");
-  const auto views = ViewsOf(*scene, 1, 16);
+  const auto views = SampledViews(*scene, 1, 16);
   const auto status = source.Draw(views, {}, [&](size_t, DepthMap) {
     (*context)->SimulateLoss();
     return absl::OkStatus();

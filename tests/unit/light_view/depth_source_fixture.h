@@ -10,7 +10,7 @@
 
 #include "render/light_view/raster_depth_source.h"
 #include "render/light_view/ray_depth_source.h"
-#include "tests/support/nearest_depth.h"
+#include "tests/support/drawn_views.h"
 
 namespace penumbra::testing {
 
@@ -24,18 +24,8 @@ class CpuDepthSourceTest : public ::testing::TestWithParam<CpuSource> {
     return std::make_unique<RayDepthSource>(bvhs_.Of(scene), arena);
   }
 
-  static std::vector<DepthMap> Draw(DepthSource& source, std::span<const LightView> views) {
-    std::vector<DepthMap> maps;
-    const auto status = source.Draw(views, {}, [&](size_t index, DepthMap map) {
-      EXPECT_EQ(index, maps.size());
-      maps.push_back(std::move(map));
-      return absl::OkStatus();
-    });
-    EXPECT_TRUE(status.ok()) << status;
-    return maps;
-  }
   DepthMap DrawOne(const Scene& scene, const LightView& view) {
-    return Draw(*SourceOf(scene), std::span(&view, 1)).at(0);
+    return DrawAll(*SourceOf(scene), std::span(&view, 1)).at(0);
   }
 
   CasterBvhs bvhs_;

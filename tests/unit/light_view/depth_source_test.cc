@@ -16,29 +16,14 @@
 namespace penumbra::testing {
 namespace {
 
-class DepthSourceTest : public CpuDepthSourceTest {
- protected:
-  // Views of all faces from a few samples each, `side` pixels along the longer side.
-  std::vector<LightView> ViewsOf(const Scene& scene, uint64_t seed, double side) {
-    const auto light = scene.FindLight("light");
-    const auto boxes = CasterBoxes(scene);
-    std::vector<LightView> views;
-    for (const LightFace& face : FacesOf(*light, scene.Bounds())) {
-      const double pitch = std::max(face.window.size().x, face.window.size().y) / side;
-      for (const LightSample& sample : SampleLight(*light, 2, seed, scene.Bounds().center())) {
-        if (const auto view = ViewFrom(face, sample, boxes, pitch)) views.push_back(*view);
-      }
-    }
-    return views;
-  }
-};
+using DepthSourceTest = CpuDepthSourceTest;
 
 TEST_P(DepthSourceTest, EveryPixelIsTheNearestTriangleInRandomScenes) {
   DepthComparison all;
   for (uint64_t seed = 0; seed < 48; ++seed) {
     const auto scene = RandomScene(seed);
     const auto triangles = OccluderTriangles(*scene);
-    for (const DepthMap& map : Draw(*SourceOf(*scene), ViewsOf(*scene, seed, 24))) {
+    for (const DepthMap& map : DrawAll(*SourceOf(*scene), SampledViews(*scene, seed, 24))) {
       const DepthComparison one = CompareWithNearest(map, triangles);
       all.compared += one.compared;
       all.differing += one.differing;
@@ -60,11 +45,11 @@ TEST_P(DepthSourceTest, BitsDependNeitherOnThreadsNorOnCompany) {
   tbb::task_arena one_thread(1), many_threads(4);
   for (uint64_t seed = 0; seed < 6; ++seed) {
     const auto scene = RandomScene(seed);
-    std::vector<LightView> views = ViewsOf(*scene, seed, 150);
-    const auto all = Draw(*SourceOf(*scene, many_threads), views);
+    std::vector<LightView> views = SampledViews(*scene, seed, 150);
+    const auto all = DrawAll(*SourceOf(*scene, many_threads), views);
     const auto one = SourceOf(*scene, one_thread);
     for (size_t i = views.size(); i-- > 0;) {
-      const auto alone = Draw(*one, std::span(views).subspan(i, 1));
+      const auto alone = DrawAll(*one, std::span(views).subspan(i, 1));
       EXPECT_TRUE(HaveTheSameBits(alone.at(0), all.at(i))) << "seed " << seed << " view " << i;
     }
   }
@@ -117,7 +102,7 @@ TEST_P(DepthSourceTest, StopsWhenAsked) {
 TEST_P(DepthSourceTest, StopsInTheMiddleAndPassesErrorsOn) {
   const auto scene = RandomScene(2);
   const auto source = SourceOf(*scene);
-  const std::vector<LightView> views(16, ViewsOf(*scene, 2, 16).at(0));
+  const std::vector<LightView> views(16, SampledViews(*scene, 2, 16).at(0));
   std::stop_source stop;
   size_t taken = 0;
   auto status = source->Draw(views, stop.get_token(), [&](size_t, DepthMap) {

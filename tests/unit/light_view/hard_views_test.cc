@@ -131,7 +131,7 @@ TEST_P(HardViewsTest, ViewsOfNothingSeeNothing) {
   views[0].width = 0;
   views[1].window.max = views[1].window.min;
   for (const auto& scene : {box, empty}) {
-    const auto maps = Draw(*SourceOf(*scene), views);
+    const auto maps = DrawAll(*SourceOf(*scene), views);
     ASSERT_EQ(maps.size(), 3u);
     EXPECT_EQ(maps[0].depths.size(), 0u);
     ASSERT_EQ(maps[1].depths.size(), 64u);

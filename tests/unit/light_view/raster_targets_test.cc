@@ -7,6 +7,7 @@
 #include "hwy/targets.h"
 #include "render/light_view/raster_depth_source.h"
 #include "render/light_view/view_fit.h"
+#include "tests/support/drawn_views.h"
 #include "tests/support/nearest_depth.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/shapes.h"
@@ -21,13 +22,7 @@ class RasterTargetsTest : public ::testing::TestWithParam<int64_t> {
 
   std::vector<DepthMap> Draw(const Scene& scene, const std::vector<LightView>& views) {
     RasterDepthSource source(scene, arena_);
-    std::vector<DepthMap> maps;
-    const auto status = source.Draw(views, {}, [&](size_t, DepthMap map) {
-      maps.push_back(std::move(map));
-      return absl::OkStatus();
-    });
-    EXPECT_TRUE(status.ok()) << status;
-    return maps;
+    return DrawAll(source, views);
   }
 
   tbb::task_arena arena_{1};
