@@ -137,7 +137,10 @@ void LightProof::AddEye(const AreaLight& light, const Scene& scene, Vec3 place, 
   Eye eye;
   for (const auto& [view, covers_all] : ViewsFrom(light, scene, place, pixels)) {
     if (auto parts = PartsIn(view)) {
-      eye.push_back({NearestDepths(view, scene, arena), covers_all, *std::move(parts)});
+      const DVec2 scale = view.pixels_per_slope();
+      const LightPart& all = (*parts)[0][0];
+      const Window around{.min = all.low / scale, .max = all.high / scale};
+      eye.push_back({NearestDepths(view, scene, around, arena), covers_all, *std::move(parts)});
     }
   }
   eyes_.push_back(std::move(eye));

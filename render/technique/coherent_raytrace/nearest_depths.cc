@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <atomic>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "render/math/parallel_for.h"
 
@@ -14,8 +16,9 @@ namespace {
 constexpr float kPixelSlack = 2e-3f;
 constexpr float kNearnessSlack = 4e-6f;
 
-// The nearest surface may lie on the near plane.
-constexpr double kNearSlack = 0x1p-20;
+// Rays to a light end short of it by this share, so that what is that much nearer to it than all
+// points is in nobody's way.
+constexpr double kRayEnd = 0x1p-16;
 
 // Pixels to either side beyond which single precision is not enough.
 constexpr float kReach = 16384.0f;
@@ -33,33 +36,30 @@ class Picture {
   void Draw(const std::array<Corner, 3>& t);
   // All pixels that the box touches.
   void DrawBox(Vec2 min, Vec2 max, float nearness);
+  bool Contains(Vec2 min, Vec2 max) const {
+    return min.x >= 0 && min.y >= 0 && max.x < width_ && max.y < height_;
+  }
+  // As many threads at a time as like may raise one.
+  static void Raise(float& known, float nearness);
 
  private:
   // plane  nearness at the first corner, and by how much it grows along x and y
   void DrawRow(const std::array<Corner, 3>& t, int row, Corner plane, float most);
   void Raise(int x, int y, float nearness) {
-    float& known = nearest_[static_cast<size_t>(y) * width_ + x];
-    float now = __atomic_load_n(reinterpret_cast<uint32_t*>(&known), __ATOMIC_RELAXED) == 0
-                    ? 0.0f
-                    : Load(known);
-    while (now < nearness) {
-      uint32_t expected = std::bit_cast<uint32_t>(now);
-      if (__atomic_compare_exchange_n(reinterpret_cast<uint32_t*>(&known), &expected,
-                                      std::bit_cast<uint32_t>(nearness), true, __ATOMIC_RELAXED,
-                                      __ATOMIC_RELAXED)) {
-        return;
-      }
-      now = std::bit_cast<float>(expected);
-    }
-  }
-  static float Load(float& known) {
-    return std::bit_cast<float>(
-        __atomic_load_n(reinterpret_cast<uint32_t*>(&known), __ATOMIC_RELAXED));
+    Raise(nearest_[static_cast<size_t>(y) * width_ + x], nearness);
   }
 
   const int width_, height_;
   std::vector<float>& nearest_;
 };
+
+void Picture::Raise(float& known, float nearness) {
+  const std::atomic_ref<float> shared(known);
+  float now = shared.load(std::memory_order_relaxed);
+  while (now < nearness &&
+         !shared.compare_exchange_weak(now, nearness, std::memory_order_relaxed)) {
+  }
+}
 
 void Picture::DrawBox(Vec2 min, Vec2 max, float nearness) {
   const auto first = [](float v) { return std::max(0, static_cast<int>(std::floor(v))); };
@@ -118,26 +118,86 @@ void Picture::DrawRow(const std::array<Corner, 3>& t, int row, Corner plane, flo
   }
 }
 
-// Draws what of a triangle is not nearer than the view's near plane.
+// All ways from a light to points that its picture shows: at depth z between the slopes of the
+// picture's edges times z, and the light's own width further.
+struct Beam {
+  Window slopes;  // with 0 in it
+  Window light;   // so too
+  double near;
+
+  // The depth of what of a triangle is in the beam, of the nearest of it; infinity where nothing is.
+  double NearestOf(const std::array<DVec3, 3>& triangle) const;
+
+ private:
+  // How far inside p is of one of the beam's five sides.
+  double Inside(int side, DVec3 p) const {
+    if (side == 4) return p.z - near;
+    const int axis = side / 2;
+    return side % 2 == 0 ? p[axis] - (light.min[axis] + p.z * slopes.min[axis])
+                         : light.max[axis] + p.z * slopes.max[axis] - p[axis];
+  }
+};
+
+double Beam::NearestOf(const std::array<DVec3, 3>& triangle) const {
+  std::array<DVec3, 8> polygon, old;  // each side adds a corner at most
+  size_t count = triangle.size();
+  std::ranges::copy(triangle, polygon.begin());
+  for (int side = 0; side < 5; ++side) {
+    old = polygon;
+    const size_t corners = std::exchange(count, 0);
+    for (size_t i = 0; i < corners; ++i) {
+      const DVec3 &a = old[i], &b = old[(i + 1) % corners];
+      const double in_a = Inside(side, a), in_b = Inside(side, b);
+      if (in_a >= 0 && count < polygon.size()) polygon[count++] = a;
+      if ((in_a >= 0) != (in_b >= 0) && count < polygon.size()) {
+        polygon[count++] = glm::mix(a, b, in_a / (in_a - in_b));
+      }
+    }
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < count; ++i) nearest = std::min(nearest, polygon[i].z);
+  return nearest;
+}
+
+// Draws what of a triangle is in front of the eye.
 class TriangleDrawer {
  public:
-  TriangleDrawer(const LightView& view, Picture& picture)
+  TriangleDrawer(const LightView& view, const Window& light, Picture& picture, float& beside)
       : view_(view),
         nearness_(view),
         scale_(view.pixels_per_slope()),
-        near_(view.near * (1 - kNearSlack)),
-        picture_(picture) {}
+        beam_{
+            .slopes = WithZero(view.window), .light = WithZero(light), .near = kRayEnd * view.near},
+        picture_(picture),
+        beside_(beside) {}
 
   void Draw(const std::array<DVec3, 3>& q) {
-    const int behind = (q[0].z < near_) + (q[1].z < near_) + (q[2].z < near_);
+    const double near = beam_.near;
+    const int behind = (q[0].z < near) + (q[1].z < near) + (q[2].z < near);
     if (view_.from_infinity || behind == 0) {
-      picture_.Draw({Project(q[0]), Project(q[1]), Project(q[2])});
+      const std::array<Corner, 3> corners{Project(q[0]), Project(q[1]), Project(q[2])};
+      picture_.Draw(corners);
+      NoteBeside(q, glm::min(At(corners[0]), glm::min(At(corners[1]), At(corners[2]))),
+                 glm::max(At(corners[0]), glm::max(At(corners[1]), At(corners[2]))));
     } else if (behind < 3) {
       DrawCut(q);
     }
   }
 
  private:
+  static Window WithZero(const Window& window) {
+    return {.min = glm::min(window.min, DVec2(0.0)), .max = glm::max(window.max, DVec2(0.0))};
+  }
+  static Vec2 At(const Corner& corner) { return Vec2(corner.x, corner.y); }
+
+  void NoteBeside(const std::array<DVec3, 3>& q, Vec2 min, Vec2 max) {
+    if (view_.from_infinity || picture_.Contains(min - kPixelSlack, max + kPixelSlack)) return;
+    const double nearest = beam_.NearestOf(q);
+    if (std::isfinite(nearest)) {
+      Picture::Raise(beside_, (1 + kNearnessSlack) * static_cast<float>(nearness_.Of(nearest)));
+    }
+  }
+
   Corner Project(DVec3 q) const {
     const DVec2 at = view_.from_infinity ? DVec2(q) + q.z * DVec2(view_.eye) : DVec2(q) / q.z;
     const DVec2 pixel = (at - view_.window.min) * scale_;
@@ -147,33 +207,37 @@ class TriangleDrawer {
 
   // As near as the near plane wherever it is.
   void DrawCut(const std::array<DVec3, 3>& q) {
+    const double near = beam_.near;
     Vec2 min(kReach), max(-kReach);
     const auto add = [&](DVec3 p) {
-      const Corner corner = Project(p);
-      min = glm::min(min, Vec2(corner.x, corner.y));
-      max = glm::max(max, Vec2(corner.x, corner.y));
+      const Vec2 at = At(Project(p));
+      min = glm::min(min, at);
+      max = glm::max(max, at);
     };
     for (int i = 0; i < 3; ++i) {
       const DVec3 &a = q[i], &b = q[(i + 1) % 3];
-      if (a.z >= near_) add(a);
-      if ((a.z >= near_) == (b.z >= near_)) continue;
-      DVec3 p = glm::mix(a, b, (near_ - a.z) / (b.z - a.z));
-      p.z = near_;
+      if (a.z >= near) add(a);
+      if ((a.z >= near) == (b.z >= near)) continue;
+      DVec3 p = glm::mix(a, b, (near - a.z) / (b.z - a.z));
+      p.z = near;
       add(p);
     }
-    picture_.DrawBox(min - kPixelSlack, max + kPixelSlack, static_cast<float>(nearness_.Of(near_)));
+    picture_.DrawBox(min - kPixelSlack, max + kPixelSlack, static_cast<float>(nearness_.Of(near)));
+    NoteBeside(q, min, max);
   }
 
   const LightView& view_;
   const Nearness nearness_;
   const DVec2 scale_;
-  const double near_;
+  const Beam beam_;
   Picture& picture_;
+  float& beside_;
 };
 
 }  // namespace
 
-NearestDepths::NearestDepths(const LightView& view, const Scene& scene, tbb::task_arena& arena)
+NearestDepths::NearestDepths(const LightView& view, const Scene& scene, const Window& light,
+                             tbb::task_arena& arena)
     : view_(view) {
   const int width = static_cast<int>(view.width), height = static_cast<int>(view.height);
   levels_.push_back({width, height, std::vector<float>(size_t{view.width} * view.height)});
@@ -190,7 +254,7 @@ NearestDepths::NearestDepths(const LightView& view, const Scene& scene, tbb::tas
       });
       ParallelFor(mesh.triangle_count(), [&](size_t i) {
         const uint32_t* const corners = &mesh.indices()[3 * i];
-        TriangleDrawer(view, picture)
+        TriangleDrawer(view, light, picture, beside_)
             .Draw({placed[corners[0]], placed[corners[1]], placed[corners[2]]});
       });
     });

@@ -4,6 +4,7 @@
 //   if (nearest.In({x0, y0}, {x1, y1}) < nearness) …  // the rays through the window are free
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -20,11 +21,15 @@ namespace penumbra {
 // Cost  40 ns · T for T triangles the size of a pixel, 2 ns a pixel, on one thread
 class NearestDepths {
  public:
-  NearestDepths(const LightView& view, const Scene& scene, tbb::task_arena& arena);
+  // light  a box around the light as the eye sees it, in m along the frame's axes; from infinitely
+  //        far of no use
+  NearestDepths(const LightView& view, const Scene& scene, const Window& light,
+                tbb::task_arena& arena);
 
   const LightView& view() const { return view_; }
-  // The nearest anywhere in the picture.
-  float All() const { return levels_.back().nearest[0]; }
+  // The nearest anywhere in the picture, or, of what reaches beyond its edges, between any point in
+  // the picture and the light.
+  float All() const { return std::max(levels_.back().nearest[0], beside_); }
   // The nearest of the pixels that the window from `min` to `max`, in pixels, touches, and perhaps
   // of some around it; 0 for a window outside of the picture.
   float In(Vec2 min, Vec2 max) const;
@@ -38,6 +43,7 @@ class NearestDepths {
   };
 
   LightView view_;
+  float beside_ = 0.0f;        // the nearest of what is beyond the picture's edges
   std::vector<Level> levels_;  // from the pixels to one node
 };
 
