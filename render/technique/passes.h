@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "render/technique/first_pass.h"
+
 namespace penumbra {
 
 // The first artifact comes after this many samples, or as many as fit into the time budget, each
@@ -13,6 +15,14 @@ inline constexpr uint32_t kFirstPassSamples = 8;
 inline constexpr uint32_t kPassGrowth = 8;
 // What of a time budget computing may take: the rest is for the way to the client.
 inline constexpr double kComputingShare = 0.5;
+
+// Samples of a first pass that is to come within the budget; `pace` may be null.
+//
+// time_budget_ms  0: there is none
+inline uint32_t FirstPassSamples(double time_budget_ms, const FirstPassPace* pace) {
+  if (time_budget_ms <= 0 || !pace) return kFirstPassSamples;
+  return pace->Samples(kComputingShare * time_budget_ms, kFirstPassSamples);
+}
 
 // How many of `n` samples are counted in all after the pass that follows one that ended with
 // `done`; 0: none was. A last pass that would bring less than half as many again is merged with the

@@ -125,7 +125,7 @@ struct Beam {
   Window light;   // so too
   double near;
 
-  // The depth of what of a triangle is in the beam, of the nearest of it; infinity where nothing is.
+  // How deep what of a triangle is in the beam begins; infinity where none is.
   double NearestOf(const std::array<DVec3, 3>& triangle) const;
 
  private:

@@ -60,8 +60,7 @@ ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec, const Ldi
 // How many samples the first pass counts.
 uint32_t FirstPass(const ArtifactSpec& spec, const ComputeContext& context, uint32_t samples) {
   if (!context.progress) return samples;
-  if (spec.time_budget_ms <= 0 || !context.memory) return kFirstPassSamples;
-  return context.memory->pace.Samples(kComputingShare * spec.time_budget_ms, kFirstPassSamples);
+  return FirstPassSamples(spec.time_budget_ms, context.memory ? &context.memory->pace : nullptr);
 }
 
 // All passes: the coarse ones go to the context's progress.

@@ -130,8 +130,7 @@ uint32_t TexturePasses::FirstPassSamples() const {
   if (!context_.progress) return n;
   const uint64_t texels = uint64_t{receiver_.width} * receiver_.height;
   if (IsBaseDrawn() && n * (plan_.moving_triangles + texels / 32) <= kWorkWorthAPass) return n;
-  if (spec_.time_budget_ms <= 0 || !Pace()) return kFirstPassSamples;
-  return Pace()->Samples(kComputingShare * spec_.time_budget_ms, kFirstPassSamples);
+  return penumbra::FirstPassSamples(spec_.time_budget_ms, Pace());
 }
 
 // The samples up to `upto`, over the base where there is one.
