@@ -140,8 +140,7 @@ std::shared_ptr<const CasterBvh> CasterBvhs::Flat(const Scene& scene) {
   const std::shared_ptr<CasterBvh> made(new CasterBvh());
   made->casters_ = parts->casters_;
   made->triangle_count_ = parts->triangle_count_;
-  made->top_ =
-      NewScene(device_.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  made->top_ = NewScene(device_.get(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   for (const auto& caster : made->casters_) {
     rtcAttachGeometry(made->top_.get(), caster->triangles.get());
   }

@@ -58,7 +58,8 @@ class CasterBvhs {
   // Cost  what is new: about 0.2 s and 0.1 GB for a million triangles on two threads
   std::shared_ptr<const CasterBvh> Of(const Scene& scene, Instances which = Instances::kCasting);
   // One hierarchy over the triangles of all that casts, for many rays: up to half of their time is
-  // saved where instances are many, and queries may have filters of their own.
+  // saved where instances are many, a quarter by Embree's quicker tests, by which a ray in millions
+  // may pass between two triangles, and queries may have filters of their own.
   //
   // Cost  as if all were new
   std::shared_ptr<const CasterBvh> Flat(const Scene& scene);

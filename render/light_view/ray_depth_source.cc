@@ -25,40 +25,61 @@ constexpr double kLeadIn = 0x1p-10;
 // What is at the near depth, but for rounding, is seen.
 constexpr double kNearMargin = 0x1p-20;
 
-// Rays that grow one metre deeper with each unit of their parameter.
+// Rays that grow one metre deeper with each unit of their parameter, as packets of Embree's.
 class ViewRays {
  public:
-  explicit ViewRays(const LightView& view) : view_(view), pixel_(1.0 / view.pixels_per_slope()) {
+  explicit ViewRays(const LightView& view) : view_(view) {
     const Basis& axes = view.frame.axes;
+    const DVec2 pixel = 1.0 / view.pixels_per_slope();
+    right_ = pixel.x * axes.s, down_ = pixel.y * axes.t;
     if (view.from_infinity) {
       // They begin before the scene: Embree knows no negative parameters.
       begin_ = view.near - kLeadIn * (view.far - view.near);
-      origin_ = view.PointAt(DVec2(0.0), begin_);
-      direction_ = axes.n - view.eye.x * axes.s - view.eye.y * axes.t;
+      first_ = view.PointAt(DVec2(0.0), begin_);
+      same_ = Vec3(axes.n - view.eye.x * axes.s - view.eye.y * axes.t);
     } else {
-      origin_ = view.frame.ToWorld(view.eye);
-      direction_ = axes.n + view.window.min.x * axes.s + view.window.min.y * axes.t;
+      first_ = axes.n + view.window.min.x * axes.s + view.window.min.y * axes.t;
+      same_ = Vec3(view.frame.ToWorld(view.eye));
+    }
+    for (uint32_t k = 0; k < kPacket; ++k) {
+      const DVec3 offset = (k % kBlock + 0.5) * right_ + (k / kBlock + 0.5) * down_;
+      offset_x_[k] = offset.x, offset_y_[k] = offset.y, offset_z_[k] = offset.z;
+    }
+  }
+
+  // What Fill leaves as it is.
+  void Prepare(RTCRay16& rays) const {
+    float* const x = view_.from_infinity ? rays.dir_x : rays.org_x;
+    float* const y = view_.from_infinity ? rays.dir_y : rays.org_y;
+    float* const z = view_.from_infinity ? rays.dir_z : rays.org_z;
+    const auto begin =
+        view_.from_infinity ? 0.0f : static_cast<float>(view_.near * (1 - kNearMargin));
+    for (uint32_t k = 0; k < kPacket; ++k) {
+      x[k] = same_.x, y[k] = same_.y, z[k] = same_.z;
+      rays.tnear[k] = begin;
+      rays.time[k] = 0.0f;
+      rays.mask[k] = ~0u;
+      rays.id[k] = k;
+      rays.flags[k] = 0;
     }
   }
 
   void Fill(uint32_t block_x, uint32_t block_y, RTCRayHit16& packet,
             std::array<int, kPacket>& valid) const {
+    const uint32_t x0 = kBlock * block_x, y0 = kBlock * block_y;
+    const DVec3 corner =
+        first_ + static_cast<double>(x0) * right_ + static_cast<double>(y0) * down_;
+    RTCRay16& rays = packet.ray;
+    float* const x = view_.from_infinity ? rays.org_x : rays.dir_x;
+    float* const y = view_.from_infinity ? rays.org_y : rays.dir_y;
+    float* const z = view_.from_infinity ? rays.org_z : rays.dir_z;
+    for (uint32_t k = 0; k < kPacket; ++k) x[k] = static_cast<float>(corner.x + offset_x_[k]);
+    for (uint32_t k = 0; k < kPacket; ++k) y[k] = static_cast<float>(corner.y + offset_y_[k]);
+    for (uint32_t k = 0; k < kPacket; ++k) z[k] = static_cast<float>(corner.z + offset_z_[k]);
     for (uint32_t k = 0; k < kPacket; ++k) {
-      const uint32_t x = kBlock * block_x + k % kBlock, y = kBlock * block_y + k / kBlock;
-      valid[k] = x < view_.width && y < view_.height ? -1 : 0;
-      const DVec3 offset =
-          (x + 0.5) * pixel_.x * view_.frame.axes.s + (y + 0.5) * pixel_.y * view_.frame.axes.t;
-      const Vec3 origin(view_.from_infinity ? origin_ + offset : origin_);
-      const Vec3 direction(view_.from_infinity ? direction_ : direction_ + offset);
-      RTCRay16& rays = packet.ray;
-      rays.org_x[k] = origin.x, rays.org_y[k] = origin.y, rays.org_z[k] = origin.z;
-      rays.dir_x[k] = direction.x, rays.dir_y[k] = direction.y, rays.dir_z[k] = direction.z;
-      rays.tnear[k] =
-          view_.from_infinity ? 0.0f : static_cast<float>(view_.near * (1 - kNearMargin));
       rays.tfar[k] = std::numeric_limits<float>::infinity();
-      rays.time[k] = 0.0f;
-      rays.mask[k] = ~0u;
       packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+      valid[k] = x0 + k % kBlock < view_.width && y0 + k / kBlock < view_.height ? -1 : 0;
     }
   }
 
@@ -66,9 +87,11 @@ class ViewRays {
 
  private:
   const LightView& view_;
-  const DVec2 pixel_;
   double begin_ = 0.0;  // the depth where the parameter is 0
-  DVec3 origin_, direction_;
+  DVec3 right_, down_;  // from pixel to pixel
+  DVec3 first_;         // the image's corner: directions; from infinitely far origins
+  Vec3 same_;           // of all rays the origin; from infinitely far the direction
+  std::array<double, kPacket> offset_x_, offset_y_, offset_z_;  // of pixels' middles in a block
 };
 
 using Blocks = tbb::blocked_range2d<uint32_t>;
@@ -79,6 +102,7 @@ void DrawBlocks(RTCScene scene, const ViewRays& view_rays, const Blocks& blocks,
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   alignas(64) RTCRayHit16 packet;
   alignas(64) std::array<int, kPacket> valid;
+  view_rays.Prepare(packet.ray);
   for (uint32_t by = blocks.rows().begin(); by < blocks.rows().end(); ++by) {
     for (uint32_t bx = blocks.cols().begin(); bx < blocks.cols().end(); ++bx) {
       view_rays.Fill(bx, by, packet, valid);

@@ -1,12 +1,12 @@
 // Soft shadows of 512 × 512 pixels on self-shadowing models (LitModels), 64 and 256 light samples a
 // pixel, jittered for each pixel by itself.
 //
-// Depth images: hierarchical traversal of images from the light's four corners, 1024 pixels wide,
+// Depth images: hierarchical traversal of images from the light's four corners, 1536 pixels wide,
 // without accelerations; with those of rays; with those and coherence-based sampling (Agrawala et
 // al. 2000, figure 10); with proofs for parts of the light as well (LightProof). On every eighth
 // tile, one after another in turn. rmse_accelerated is against no accelerations on these tiles.
 //
-// Triangles: coherence-based sampling and proofs against Embree tracing all samples of the same
+// Triangles: coherence-based sampling against Embree tracing all samples of the same
 // points in packets of 16, cells of 4 × 4 of one point a packet, with or without the coherent
 // flag, whichever is faster; on a hierarchy of its own over all triangles, in Embree's fast mode.
 // Samples below the horizon or on a light's back cost neither a ray. Building hierarchies is left
@@ -22,6 +22,7 @@
 #include "render/math/parallel_for.h"
 #include "render/technique/coherent_raytrace/depth_image_tracer.h"
 #include "render/technique/coherent_raytrace/light_proof.h"
+#include "render/technique/coherent_raytrace/point_samples.h"
 #include "render/technique/coherent_raytrace/reference_images.h"
 #include "render/technique/coherent_raytrace/shadow_field.h"
 #include "render/technique/coherent_raytrace/triangle_tracer.h"
@@ -82,18 +83,17 @@ uint16_t SeenFrom(const Case& c, const LightSquare& square, size_t i,
   const SurfacePoint& point = c.points.points[i];
   if (square.IsDarkAt(point.position)) return 0;
   const LightSquare::Seen seen = square.From(point.position);
-  PointSamples samples;
-  samples.Place({c.side, 3}, kSeed, i);
+  SampleBatch samples;
+  samples.Add(CellMask::All(c.side), {c.side, 1}, SampleSeed(kSeed, i));
   const Vec3 origin = point.position + c.surface_offset * point.normal;
   alignas(64) RTCRay16 r;
   alignas(64) std::array<int, 16> valid;
   uint16_t count = 0;
   for (uint32_t block = 0; block < c.side * c.side / 16; ++block) {
-    const uint32_t x0 = 4 * (block % (c.side / 4)), y0 = 4 * (block / (c.side / 4));
     bool any = false;
     for (uint32_t k = 0; k < 16; ++k) {
-      const uint32_t cell = CellMask::kMaxSide * (y0 + k / 4) + x0 + k % 4;
-      const Vec3 target = seen.TargetAt(samples.At(cell)), way = target - origin;
+      const uint32_t s = 16 * block + k;
+      const Vec3 target = seen.TargetAt({samples.u[s], samples.v[s]}), way = target - origin;
       valid[k] = seen.IsAbove(target, point.normal) ? -1 : 0;
       any |= valid[k] != 0;
       r.org_x[k] = origin.x, r.org_y[k] = origin.y, r.org_z[k] = origin.z;
@@ -205,10 +205,7 @@ std::vector<Row> TriangleRows(const Case& c, const std::string& prefix, const st
   CasterBvhs bvhs;
   const TriangleTracer tracer(bvhs.Flat(*c.model.scene), c.surface_offset);
   ShadowField field;
-  const auto ours = [&] {
-    const LightProof proof(c.model.light, *c.model.scene, {}, c.arena);
-    field = Compute(c, tracer, true, &proof, false);
-  };
+  const auto ours = [&] { field = Compute(c, tracer, true, nullptr, false); };
   const double start = NowMs();
   truth = TraceAll(c, true);
   const double middle = NowMs();

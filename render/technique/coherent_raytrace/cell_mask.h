@@ -38,21 +38,13 @@ class CellMask {
     return exterior;
   }
 
-  // The cells (x, y) with x + y even, or, shifted by 1, odd.
-  static CellMask Checkered(uint32_t side, uint32_t shift) {
-    CellMask checkered(side);
-    for (uint32_t y = 0; y < side; ++y) {
-      checkered.rows_[y] = 0x55555555u << (y + shift) % 2 & checkered.FullRow();
-    }
-    return checkered;
-  }
-
   uint32_t side() const { return side_; }
   bool Has(uint32_t cell) const { return rows_[cell / kMaxSide] >> cell % kMaxSide & 1; }
   void Add(uint32_t cell) { rows_[cell / kMaxSide] |= 1u << cell % kMaxSide; }
   void AddIf(bool is_in, uint32_t cell) {
     rows_[cell / kMaxSide] |= uint32_t{is_in} << cell % kMaxSide;
   }
+  void SetRow(uint32_t y, uint32_t cells) { rows_[y] = cells & FullRow(); }
   uint32_t Count() const {
     uint32_t count = 0;
     for (uint32_t y = 0; y < side_; y += 2) {
@@ -62,22 +54,21 @@ class CellMask {
   }
   bool empty() const {
     uint32_t any = 0;
-    for (const uint32_t row : rows_) any |= row;
+    ForRows([&](uint32_t y) { any |= rows_[y]; });
     return any == 0;
   }
 
-  // All rows, so that these are a few vector instructions.
   CellMask& operator|=(const CellMask& other) {
-    for (uint32_t y = 0; y < kMaxSide; ++y) rows_[y] |= other.rows_[y];
+    ForRows([&](uint32_t y) { rows_[y] |= other.rows_[y]; });
     return *this;
   }
   CellMask& operator&=(const CellMask& other) {
-    for (uint32_t y = 0; y < kMaxSide; ++y) rows_[y] &= other.rows_[y];
+    ForRows([&](uint32_t y) { rows_[y] &= other.rows_[y]; });
     return *this;
   }
   // Without those of `other`.
   CellMask& operator-=(const CellMask& other) {
-    for (uint32_t y = 0; y < kMaxSide; ++y) rows_[y] &= ~other.rows_[y];
+    ForRows([&](uint32_t y) { rows_[y] &= ~other.rows_[y]; });
     return *this;
   }
   friend CellMask operator|(CellMask a, const CellMask& b) { return a |= b; }
@@ -85,40 +76,53 @@ class CellMask {
   friend CellMask operator-(CellMask a, const CellMask& b) { return a -= b; }
   friend bool operator==(const CellMask&, const CellMask&) = default;
 
-  // With the eight neighbours of each cell.
+  // With the four neighbours of each cell.
   CellMask Dilated() const {
-    std::array<uint32_t, kMaxSide + 2> wide{};
-    for (uint32_t y = 0; y < kMaxSide; ++y) {
-      wide[y + 1] = rows_[y] | rows_[y] << 1 | rows_[y] >> 1;
-    }
+    std::array<uint32_t, kMaxSide + 2> above{};  // rows, one further down
+    ForRows([&](uint32_t y) { above[y + 1] = rows_[y]; });
     CellMask dilated(side_);
-    const uint32_t full = FullRow();
-    for (uint32_t y = 0; y < kMaxSide; ++y) {
-      dilated.rows_[y] = (wide[y] | wide[y + 1] | wide[y + 2]) & full;
-    }
+    ForRows([&, full = FullRow()](uint32_t y) {
+      const uint32_t row = rows_[y];
+      dilated.rows_[y] = (row | row << 1 | row >> 1 | above[y] | above[y + 2]) & full;
+    });
     for (uint32_t y = side_; y < kMaxSide; ++y) dilated.rows_[y] = 0;
     return dilated;
   }
-  // The cells that have a neighbour, of eight, on the other side of the set's edge.
+  // The cells that have a neighbour, of four, on the other side of the set's edge.
   CellMask Boundary() const { return Dilated() & (All(side_) - *this).Dilated(); }
 
-  // Calls `visit(cell)` block by block of 4×4 cells, so that neighbours come close to each other.
+  // Of a block of 4×4 cells, a bit for each: cell (x0 + k % 4, y0 + k / 4) is bit k. x0 and y0 are
+  // multiples of 4.
+  static constexpr uint32_t kBlockSide = 4;
+  uint32_t BlockAt(uint32_t x0, uint32_t y0) const {
+    return (rows_[y0] >> x0 & 15) | (rows_[y0 + 1] >> x0 & 15) << 4 |
+           (rows_[y0 + 2] >> x0 & 15) << 8 | (rows_[y0 + 3] >> x0 & 15) << 12;
+  }
+  static uint32_t CellInBlock(uint32_t x0, uint32_t y0, int bit) {
+    const auto k = static_cast<uint32_t>(bit);
+    return (y0 + k / kBlockSide) * kMaxSide + x0 + k % kBlockSide;
+  }
+
+  // Calls `visit(cell)` block by block, so that neighbours come close to each other.
   template <typename Visit>
   void ForEach(Visit visit) const {
-    for (uint32_t y = 0; y < side_; y += 4) {
-      const std::array<uint32_t, 4> band{rows_[y], rows_[y + 1], rows_[y + 2], rows_[y + 3]};
-      for (uint32_t x = 0; x < side_; x += 4) {
-        uint32_t block = (band[0] >> x & 15) | (band[1] >> x & 15) << 4 | (band[2] >> x & 15) << 8 |
-                         (band[3] >> x & 15) << 12;
-        for (; block != 0; block &= block - 1) {
-          const auto k = static_cast<uint32_t>(std::countr_zero(block));
-          visit((y + k / 4) * kMaxSide + x + k % 4);
+    for (uint32_t y = 0; y < side_; y += kBlockSide) {
+      for (uint32_t x = 0; x < side_; x += kBlockSide) {
+        for (uint32_t block = BlockAt(x, y); block != 0; block &= block - 1) {
+          visit(CellInBlock(x, y, std::countr_zero(block)));
         }
       }
     }
   }
 
  private:
+  // All rows that may have cells, so many at once that they are a few vector instructions.
+  template <typename Visit>
+  void ForRows(Visit visit) const {
+    for (uint32_t y = 0; y < kMaxSide / 2; ++y) visit(y);
+    if (side_ <= kMaxSide / 2) return;
+    for (uint32_t y = kMaxSide / 2; y < kMaxSide; ++y) visit(y);
+  }
   uint32_t FullRow() const { return static_cast<uint32_t>((uint64_t{1} << side_) - 1); }
 
   uint32_t side_ = 0;

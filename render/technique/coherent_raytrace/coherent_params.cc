@@ -65,11 +65,11 @@ std::map<std::string, std::string> EffectiveParameters(const CoherentRaytracePar
       {"backend", by_images ? "depth_images" : "triangles"},
       {"radiance", TextOf(params.radiance)},
       {"coherence", TextOf(params.coherence)},
-      {"whole_light", TextOf(params.whole_light)},
       {"prediction_distance", absl::StrFormat("%.9g", prediction_distance)}};
   if (params.radiance) text["output"] = NameOf(params.output);
   if (by_images) {
     text["resolution"] = absl::StrCat(params.resolution);
+    text["whole_light"] = TextOf(params.whole_light);
     text["ray_accelerations"] = TextOf(params.ray_accelerations);
     if (params.gap_bias > 0) text["gap_bias"] = absl::StrFormat("%.9g", params.gap_bias);
   } else {

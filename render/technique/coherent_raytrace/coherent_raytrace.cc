@@ -100,7 +100,9 @@ absl::StatusOr<Artifact> CoherentRaytrace::Compute(const Scene& scene, const Art
 
   ShadowFieldSettings settings = SettingsOf(params, *light, *spec.points);
   std::optional<LightProof> proof;
-  if (params.whole_light && settings.sampling.side > 1) {
+  // Rays against triangles are quicker than what it saves of them.
+  const bool pays = params.backend == RayBackend::kDepthImages && settings.sampling.side > 1;
+  if (params.whole_light && pays) {
     proof.emplace(*light, scene, ProofSettings{}, context.arena);
     settings.proof = &*proof;
   }

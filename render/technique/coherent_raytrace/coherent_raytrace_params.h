@@ -31,13 +31,13 @@ struct CoherentRaytraceParams {
   RadianceFormat output = RadianceFormat::kHalf;  // of radiance; no unorm
 
   // Switches that cost nothing in quality; for measuring, and where one is in doubt.
-  bool coherence = true;          // predict a point's visibility from that of the points before it
-  bool whole_light = true;        // prove all of the light seen where a depth pyramid can
+  bool coherence = true;    // predict a point's visibility from that of the points before it
+  bool whole_light = true;  // of depth images: prove all of the light seen where a pyramid can
   bool ray_accelerations = true;  // all five of depth images, §5.1.1 and §5.1.2
 
   float prediction_distance = 0.0f;  // m between points beyond which none is predicted; 0: auto
   // Of depth images.
-  uint32_t resolution = 1'024;  // pixels along the longer side
+  uint32_t resolution = 1'536;  // pixels along the longer side
   float gap_bias = 0.0f;        // m between neighbours that are connected; 0: auto
   float shadow_bias = 0.0f;     // m that a ray is lifted off its surface; 0: auto
 
@@ -57,12 +57,12 @@ struct CoherentRaytraceParams {
       {"coherence", "bool", "true", "",
        "trace only where a point's visibility is likely to differ from its neighbour's"},
       {"whole_light", "bool", "true", "",
-       "prove all of the light seen without a ray where possible"},
+       "of depth images: prove all of the light seen without a ray where possible"},
       {"ray_accelerations", "bool", "true", "",
        "of depth images: connectedness, clipping, ranking, clear misses, occlusion intervals"},
       {"prediction_distance", "float", "0", "at least 0",
        "metres between points beyond which nothing is predicted; 0: by the points' spacing"},
-      {"resolution", "uint", "1024", "1 to 8192", "of depth images: pixels along the longer side"},
+      {"resolution", "uint", "1536", "1 to 8192", "of depth images: pixels along the longer side"},
       {"gap_bias", "float", "0", "at least 0",
        "of depth images: metres between neighbouring depths of one surface; 0: by their footprint"},
       {"shadow_bias", "float", "0", "at least 0",

@@ -8,14 +8,11 @@
 namespace penumbra {
 namespace {
 
-// The last part of a ray, where a light's own surface is: 2^-16 of its length.
-constexpr double kLightShare = 1 - 0x1p-16;
-
 // Rays from one point through the images, one after another.
-class RayBatch {
+class PointRays {
  public:
-  RayBatch(std::span<const DepthPyramid> images, const RayAccelerations& accelerations,
-           DVec3 origin, bool wants_blockers)
+  PointRays(std::span<const DepthPyramid> images, const RayAccelerations& accelerations,
+            DVec3 origin, bool wants_blockers)
       : accelerations_(accelerations),
         traversal_(accelerations.min_max_clipping, accelerations.connectedness && !wants_blockers) {
     origins_.reserve(images.size());
@@ -48,7 +45,7 @@ class RayBatch {
   std::vector<WayInterval> in_s_;
 };
 
-float RayBatch::Trace(DVec3 way, double end) {
+float PointRays::Trace(DVec3 way, double end) {
   candidates_.clear();
   for (const ImageOrigin& origin : origins_) {
     const ImageRay ray(origin, way);
@@ -71,7 +68,7 @@ float RayBatch::Trace(DVec3 way, double end) {
 }
 
 // Where the ray is blocked; nullopt: nowhere, and hidden_ is known.
-std::optional<double> RayBatch::TraceIn(const Candidate& candidate) {
+std::optional<double> PointRays::TraceIn(const Candidate& candidate) {
   const auto& [ray, image, seen, length] = candidate;
   ++images_;
   hidden_.clear();
@@ -117,16 +114,19 @@ double DepthImageTracer::OffsetOf(const SurfacePoint& point) const {
 
 void DepthImageTracer::Trace(const ShadowRays& rays, std::span<float> blocked_at,
                              TraceCounts& counts) const {
-  const DVec3 origin = DVec3(rays.from.position) + OffsetOf(rays.from) * DVec3(rays.from.normal);
-  const double end = rays.at_infinity ? std::numeric_limits<double>::infinity() : kLightShare;
-  RayBatch batch(images_, accelerations_, origin, rays.wants_blockers);
-  for (size_t i = 0; i < rays.x.size(); ++i) {
-    const DVec3 target(rays.x[i], rays.y[i], rays.z[i]);
-    blocked_at[i] = batch.Trace(rays.at_infinity ? target : target - origin, end);
+  const double end = rays.at_infinity ? std::numeric_limits<double>::infinity() : kRayEnd;
+  size_t i = 0;
+  for (const RayFan& fan : rays.fans) {
+    const DVec3 origin = DVec3(fan.from.position) + OffsetOf(fan.from) * DVec3(fan.from.normal);
+    PointRays traced(images_, accelerations_, origin, rays.wants_blockers);
+    for (; i < fan.end; ++i) {
+      const DVec3 target(rays.x[i], rays.y[i], rays.z[i]);
+      blocked_at[i] = traced.Trace(rays.at_infinity ? target : target - origin, end);
+    }
+    counts.steps += traced.steps();
+    counts.images += traced.images();
   }
   counts.rays += rays.x.size();
-  counts.steps += batch.steps();
-  counts.images += batch.images();
 }
 
 }  // namespace penumbra

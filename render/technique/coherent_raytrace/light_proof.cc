@@ -216,14 +216,14 @@ void LightProof::Refine(int level, uint32_t x, uint32_t y, Stand& stand, CellMas
   for (uint32_t i = 0; i < 4; ++i) Refine(level + 1, 2 * x + i % 2, 2 * y + i / 2, stand, lit);
 }
 
-KnownCells LightProof::Of(const SurfacePoint& point, uint32_t side) const {
-  KnownCells known{CellMask(side), CellMask(side)};
-  if (eyes_.empty() || square_.IsDarkAt(point.position)) return known;
+CellMask LightProof::LitFrom(const SurfacePoint& point, uint32_t side) const {
+  CellMask lit(side);
+  if (eyes_.empty() || square_.IsDarkAt(point.position)) return lit;
   if (square_.From(point.position).SideOf(point.normal) == LightSquare::Seen::Side::kAbove) {
     Stand stand(*this, point);
-    Refine(0, 0, 0, stand, known.lit);
+    Refine(0, 0, 0, stand, lit);
   }
-  return known;
+  return lit;
 }
 
 }  // namespace penumbra

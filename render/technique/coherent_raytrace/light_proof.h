@@ -1,7 +1,7 @@
 // Proves, without a ray, that points see parts of a light.
 //
 //   const LightProof proof(light, scene, {}, arena);
-//   const KnownCells known = proof.Of(point, side);
+//   const CellMask lit = proof.LitFrom(point, side);
 #pragma once
 
 #include <array>
@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "render/scene/area_light.h"
+#include "render/scene/point_receiver.h"
 #include "render/scene/scene.h"
-#include "render/technique/coherent_raytrace/coherent_sampler.h"
+#include "render/technique/coherent_raytrace/cell_mask.h"
+#include "render/technique/coherent_raytrace/light_square.h"
 #include "render/technique/coherent_raytrace/nearest_depths.h"
 #include "tbb/task_arena.h"
 
@@ -50,11 +52,11 @@ class LightProof {
   LightProof(const AreaLight& light, const Scene& scene, const ProofSettings& settings,
              tbb::task_arena& arena);
 
-  // Cells of a grid of side × side that the point is proven to see, or not to see, all of. The
-  // surface's plane must have all of the light above it.
+  // Cells of a grid of side × side that the point is proven to see all of. The surface's plane must
+  // have all of the light above it.
   //
   // Cost  0.1 to 2 µs
-  KnownCells Of(const SurfacePoint& point, uint32_t side) const;
+  CellMask LitFrom(const SurfacePoint& point, uint32_t side) const;
 
  private:
   static constexpr size_t kEyes = 5;

@@ -64,6 +64,23 @@ void LightSquare::TakeDisk(const DiskLight& light) {
   frame_.dual_u_ = Vec3(basis.s / radius), frame_.dual_v_ = Vec3(basis.t / radius);
 }
 
+float LightSquare::width() const {
+  switch (kind_) {
+    case Kind::kRectangle:
+    case Kind::kDisk: {
+      const float width = std::min(glm::length(frame_.u_), glm::length(frame_.v_));
+      return kind_ == Kind::kDisk ? 2 * width : width;
+    }
+    case Kind::kSphere:
+      return 2 * frame_.radius_;
+    case Kind::kSky:
+    case Kind::kPoint:
+    case Kind::kDirection:
+      break;
+  }
+  return 0.0f;
+}
+
 bool LightSquare::IsDarkAt(Vec3 point) const {
   return !two_sided_ && !(glm::dot(frame_.n_, point - frame_.origin_) > 0);
 }
@@ -146,8 +163,8 @@ Vec2 LightSquare::Seen::SquareOf(Vec3 blocker) const {
   return glm::dot(at, at) < 1 ? Vec2(ConcentricSquare(DVec2(at))) : Vec2(kOutside);
 }
 
-void LightSquare::Seen::PartsBehind(const CellGrid& grid, const float* x, const float* y,
-                                    const float* z, size_t count, int32_t* part) const {
+void LightSquare::Seen::PartsBehind(const CellGrid& grid, const Vec4* blockers, size_t count,
+                                    uint32_t* part) const {
   if (kind_ == Kind::kRectangle) {
     penumbra::PartsBehind(grid,
                           {.point = point_,
@@ -157,23 +174,18 @@ void LightSquare::Seen::PartsBehind(const CellGrid& grid, const float* x, const 
                            .height = height_,
                            .along_u = along_u_,
                            .along_v = along_v_},
-                          x, y, z, count, part);
+                          blockers, count, part);
     return;
   }
-  const auto along = static_cast<int32_t>(grid.side * grid.parts);
+  const uint32_t along = grid.along();
+  const auto place = [along](float s) {
+    return std::min(static_cast<uint32_t>(s * static_cast<float>(along)), along - 1);
+  };
   for (size_t i = 0; i < count; ++i) {
-    const Vec2 at = SquareOf(Vec3(x[i], y[i], z[i]));
+    const Vec2 at = SquareOf(Vec3(blockers[i]));
     const bool is_on_light = at.x >= 0 && at.x < 1 && at.y >= 0 && at.y < 1;
-    const auto place = [along](float s) {
-      return std::min(static_cast<int32_t>(s * static_cast<float>(along)), along - 1);
-    };
-    part[i] = is_on_light ? place(at.y) * along + place(at.x) : -1;
+    part[i] = is_on_light ? place(at.y) * along + place(at.x) : grid.off();
   }
-}
-
-bool LightSquare::Seen::IsAbove(Vec3 target, Vec3 normal) const {
-  const bool at_infinity = kind_ == Kind::kSky || kind_ == Kind::kDirection;
-  return glm::dot(normal, at_infinity ? target : target - point_) > 0;
 }
 
 float LightSquare::Seen::WeightAt(Vec2 square, Vec3 normal) const {

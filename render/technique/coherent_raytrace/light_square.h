@@ -27,6 +27,9 @@ class LightSquare {
   // The light has no extent: all of the square is one point.
   bool is_single() const { return kind_ == Kind::kPoint || kind_ == Kind::kDirection; }
   bool is_at_infinity() const { return kind_ == Kind::kSky || kind_ == Kind::kDirection; }
+  // How wide the light is, a rectangle along its shorter side, in m; 0 if it has no extent or is at
+  // infinity.
+  float width() const;
   // A rectangle or disk that shines from its front alone has its back towards `point`.
   bool IsDarkAt(Vec3 point) const;
 
@@ -37,16 +40,35 @@ class LightSquare {
    public:
     // A position, or of lights at infinity a unit direction.
     Vec3 TargetAt(Vec2 square) const;
+    // The same of many. Those on a rectangle are the same for all points.
+    void TargetsAt(size_t count, const float* u, const float* v, float* x, float* y,
+                   float* z) const {
+      if (kind_ == Kind::kRectangle) {
+        for (size_t i = 0; i < count; ++i) {
+          x[i] = origin_.x + u[i] * u_.x + v[i] * v_.x;
+          y[i] = origin_.y + u[i] * u_.y + v[i] * v_.y;
+          z[i] = origin_.z + u[i] * u_.z + v[i] * v_.z;
+        }
+        return;
+      }
+      for (size_t i = 0; i < count; ++i) {
+        const Vec3 target = TargetAt({u[i], v[i]});
+        x[i] = target.x, y[i] = target.y, z[i] = target.z;
+      }
+    }
     // Where the ray from the point through `blocker` meets the light; kOutside where it does not,
     // or only before the blocker.
     Vec2 SquareOf(Vec3 blocker) const;
     // The same of many: the parts of the grid's cells that they hide (PartsBehind).
-    void PartsBehind(const CellGrid& grid, const float* x, const float* y, const float* z,
-                     size_t count, int32_t* part) const;
+    void PartsBehind(const CellGrid& grid, const Vec4* blockers, size_t count,
+                     uint32_t* part) const;
     // cos θ cos θ' / r² of equation (1), per area of the square, up to a factor that is the same
     // all over the light.
     float WeightAt(Vec2 square, Vec3 normal) const;
-    bool IsAbove(Vec3 target, Vec3 normal) const;
+    bool IsAbove(Vec3 target, Vec3 normal) const {
+      const bool at_infinity = kind_ == Kind::kSky || kind_ == Kind::kDirection;
+      return glm::dot(normal, at_infinity ? target : target - point_) > 0;
+    }
     // Whether all of the light is above the plane through the point with this normal, or none.
     enum class Side { kAbove, kBelow, kBoth };
     Side SideOf(Vec3 normal) const;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/math/parallel_for.h"
+#include "render/technique/coherent_raytrace/shadow_tracer.h"
 
 namespace penumbra {
 namespace {
@@ -16,9 +17,8 @@ namespace {
 constexpr float kPixelSlack = 2e-3f;
 constexpr float kNearnessSlack = 4e-6f;
 
-// Rays to a light end short of it by this share, so that what is that much nearer to it than all
-// points is in nobody's way.
-constexpr double kRayEnd = 0x1p-16;
+// What is that much nearer to a light than all points is in nobody's way.
+constexpr double kLightShare = 1.0 - kRayEnd;
 
 // Pixels to either side beyond which single precision is not enough.
 constexpr float kReach = 16384.0f;
@@ -166,8 +166,9 @@ class TriangleDrawer {
       : view_(view),
         nearness_(view),
         scale_(view.pixels_per_slope()),
-        beam_{
-            .slopes = WithZero(view.window), .light = WithZero(light), .near = kRayEnd * view.near},
+        beam_{.slopes = WithZero(view.window),
+              .light = WithZero(light),
+              .near = kLightShare * view.near},
         picture_(picture),
         beside_(beside) {}
 

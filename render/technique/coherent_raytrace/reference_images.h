@@ -13,7 +13,7 @@
 namespace penumbra {
 
 struct ReferenceImageSettings {
-  uint32_t pixels = 1024;  // along the longer side of an image, 1 … 8192
+  uint32_t pixels = 1536;  // along the longer side of an image, 1 … 8192
   GapBias gap;
   // Where they are seen from: positions, or of distant lights unit directions to the light. Empty:
   // the light's vertices (LightVertices).

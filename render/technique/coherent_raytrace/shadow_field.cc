@@ -1,24 +1,67 @@
 #include "render/technique/coherent_raytrace/shadow_field.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <mutex>
 #include <numeric>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "render/math/parallel_for.h"
 #include "render/scene/field_error.h"
 #include "render/scene/unoccluded_light.h"
 #include "render/technique/coherent_raytrace/light_proof.h"
+#include "render/technique/coherent_raytrace/sampler_front.h"
 
 namespace penumbra {
 namespace {
 
-constexpr uint32_t kTileSide = 32;
-constexpr uint32_t kTilePoints = kTileSide * kTileSide;  // of a list
+constexpr uint32_t kTileSide = SamplerFront::kLanes;
+
+// Points of a list's tile: long rows, of which only the first points have none before, but some
+// tiles for each thread.
+constexpr uint32_t kLeastTilePoints = 32 * kTileSide, kMostTilePoints = 128 * kTileSide;
+constexpr uint32_t kListTiles = 64;
 
 // How many times as far as its neighbours usually are a point may be for a prediction.
 constexpr float kSpacings = 4.0f;
+
+// Rows of neighbouring points, one for each lane of a front: those of a picture's tile, or parts of
+// a list's one after another.
+struct TileRows {
+  TileRows(const PixelRect& tile, const SurfacePoints& points)
+      : first(size_t{tile.y} * points.width + tile.x) {
+    const bool is_list = points.height == 1;
+    lag = is_list ? 0 : 1;
+    length = is_list ? (tile.width + SamplerFront::kLanes - 1) / SamplerFront::kLanes : tile.width;
+    stride = is_list ? length : points.width;
+    count = is_list ? (tile.width + length - 1) / length : tile.height;
+    end = size_t{tile.y + tile.height - 1} * points.width + tile.x + tile.width;
+  }
+
+  // The place of a row's point in the points, if it has one there.
+  std::optional<size_t> At(uint32_t row, uint32_t column, const SurfacePoints& points) const {
+    const size_t i = first + row * stride + column;
+    if (i >= end || !points.is_there[i]) return std::nullopt;
+    return i;
+  }
+
+  size_t first, end;  // beyond the last
+  size_t stride;
+  uint32_t length, count;
+  uint32_t lag;  // of each row behind the one above it, in points
+};
+
+// How many points the shadow of something half-way up to the light takes to cross a cell: it moves
+// by as much as they do. But some cells of each of the light's sides are traced at every point. At
+// infinity, where nothing is half-way: 2.
+uint32_t ExteriorTurns(const LightSquare& square, uint32_t side, float spacing) {
+  if (square.is_at_infinity()) return std::min(2u, side);
+  const float cell = square.width() / static_cast<float>(side);
+  const auto most = static_cast<float>(std::max(1u, side / 2));
+  return static_cast<uint32_t>(std::clamp(spacing > 0 ? cell / spacing : 1.0f, 1.0f, most));
+}
 
 class FieldWork {
  public:
@@ -33,7 +76,10 @@ class FieldWork {
         tiles_(TilesOf(points.width, points.height)) {
     sampling_ = settings.sampling;
     if (square_.is_single()) sampling_.side = 1;
-    sampling_.prediction_distance = PredictionDistance(settings, points);
+    const float spacing = SpacingOf(points);
+    sampling_.prediction_distance = settings.prediction_distance.value_or(kSpacings * spacing);
+    sampling_.exterior_turns = std::max(
+        1u, settings.exterior_turns.value_or(ExteriorTurns(square_, sampling_.side, spacing)));
     field_.sample_count = sampling_.side * sampling_.side;
     field_.prediction_distance = sampling_.prediction_distance;
     field_.visible.resize(points.size());
@@ -48,11 +94,11 @@ class FieldWork {
 
   // On as many threads as ask.
   void Run() {
-    CoherentSampler sampler(square_, tracer_, sampling_);
+    const auto front = MakeSamplerFront(square_, tracer_, sampling_, settings_.proof);
     for (;;) {
       const size_t next = next_.fetch_add(1, std::memory_order_relaxed);
       if (next >= order_.size()) break;
-      Compute(tiles_[order_[next]], sampler);
+      Compute(tiles_[order_[next]], *front);
       if (stop_.stop_requested()) break;
     }
   }
@@ -60,7 +106,7 @@ class FieldWork {
   ShadowField Finish() && { return std::move(field_); }
 
  private:
-  void Compute(const PixelRect& tile, CoherentSampler& sampler);
+  void Compute(const PixelRect& tile, SamplerFront& front);
   float Shade(const SurfacePoint& point, const CellMask& visible) const;
   void Report(const PixelRect& tile, const TraceCounts& counts, uint64_t there, uint64_t free);
 
@@ -79,28 +125,30 @@ class FieldWork {
   size_t tiles_done_ = 0;
 };
 
-void FieldWork::Compute(const PixelRect& tile, CoherentSampler& sampler) {
-  sampler.Restart();
+void FieldWork::Compute(const PixelRect& tile, SamplerFront& front) {
+  front.Restart();
   uint64_t there = 0, free = 0;
-  const KnownCells nothing{CellMask(sampling_.side), CellMask(sampling_.side)};
-  for (uint32_t row = 0; row < tile.height; ++row) {
+  const TileRows rows(tile, points_);
+  for (uint32_t step = 0; step < rows.length + rows.lag * (rows.count - 1); ++step) {
     if (stop_.stop_requested()) return;
-    for (uint32_t column = 0; column < tile.width; ++column) {
-      // To and fro, so that each point is next to the one before.
-      const uint32_t x = tile.x + (row % 2 == 0 ? column : tile.width - 1 - column);
-      const size_t i = size_t{tile.y + row} * points_.width + x;
-      if (!points_.is_there[i]) continue;
+    std::array<std::optional<size_t>, SamplerFront::kLanes> at;
+    for (uint32_t row = rows.count; row-- > 0;) {
+      const uint32_t late = rows.lag * row;
+      if (late > step || step - late >= rows.length) continue;
+      at[row] = rows.At(row, step - late, points_);
+      if (at[row]) front.Begin(row, points_.points[*at[row]], *at[row]);
+    }
+    front.Finish();
+    for (uint32_t row = 0; row < rows.count; ++row) {
+      if (!at[row]) continue;
+      const CellMask visible = front.visible(row);
+      field_.visible[*at[row]] = static_cast<uint16_t>(visible.Count());
+      if (settings_.shades) field_.irradiance[*at[row]] = Shade(points_.points[*at[row]], visible);
       ++there;
-      const SurfacePoint& point = points_.points[i];
-      const uint64_t before = sampler.counts().rays;
-      const CellMask visible = sampler.Visible(
-          point, i, settings_.proof ? settings_.proof->Of(point, sampling_.side) : nothing);
-      free += sampler.counts().rays == before;
-      field_.visible[i] = static_cast<uint16_t>(visible.Count());
-      if (settings_.shades) field_.irradiance[i] = Shade(point, visible);
+      free += front.rays(row) == 0;
     }
   }
-  Report(tile, sampler.TakeCounts(), there, free);
+  Report(tile, front.TakeCounts(), there, free);
 }
 
 float FieldWork::Shade(const SurfacePoint& point, const CellMask& visible) const {
@@ -140,7 +188,8 @@ float PredictionDistance(const ShadowFieldSettings& settings, const SurfacePoint
 }
 
 std::vector<PixelRect> TilesOf(uint32_t width, uint32_t height) {
-  const uint32_t tile_width = height == 1 ? kTilePoints : kTileSide;
+  const uint32_t tile_width =
+      height > 1 ? kTileSide : std::clamp(width / kListTiles, kLeastTilePoints, kMostTilePoints);
   std::vector<PixelRect> tiles;
   for (uint32_t y = 0; y < height; y += kTileSide) {
     for (uint32_t x = 0; x < width; x += tile_width) {

@@ -12,7 +12,8 @@
 
 #include "absl/status/statusor.h"
 #include "render/scene/area_light.h"
-#include "render/technique/coherent_raytrace/coherent_sampler.h"
+#include "render/technique/coherent_raytrace/sampling_settings.h"
+#include "render/technique/coherent_raytrace/shadow_tracer.h"
 #include "render/technique/coherent_raytrace/surface_points.h"
 #include "tbb/task_arena.h"
 
@@ -40,9 +41,11 @@ struct ShadowField {
 };
 
 struct ShadowFieldSettings {
-  SamplingSettings sampling;  // its prediction_distance is what was chosen
+  SamplingSettings sampling;  // but for its prediction_distance and exterior_turns
   // Chosen from the points' spacing when not given, in m.
   std::optional<float> prediction_distance;
+  // SamplingSettings::exterior_turns, chosen from the points' spacing when not given.
+  std::optional<uint32_t> exterior_turns;
   bool shades = true;
   // What is known without rays; null: nothing.
   const LightProof* proof = nullptr;
@@ -64,7 +67,7 @@ float PredictionDistance(const ShadowFieldSettings& settings, const SurfacePoint
 //
 // with F the form factor in closed form.
 //
-// Errors  kInvalidArgument, RANGE: "samples.side"; kCancelled (asked once per row of a tile)
+// Errors  kInvalidArgument, RANGE: "samples.side"; kCancelled (asked once in 32 points)
 // Source  Agrawala et al. 2000, §5.2 and equations (1) and (2); departs: the sum of equation (1) is
 //         divided by the same sum without V and multiplied by its known value, so that what is lit
 //         by all of the light has no noise; k is that of the cells' middles

@@ -1,6 +1,7 @@
 // What traces shadow rays.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -9,10 +10,17 @@
 
 namespace penumbra {
 
-// Rays from one point, an array for each coordinate of their targets: positions on a light, or unit
-// directions to one at infinity. All of them leave the front of the surface.
-struct ShadowRays {
+// Rays that leave the front of a surface from one point: those after the fan before it and
+// before `end`.
+struct RayFan {
   SurfacePoint from;
+  size_t end = 0;
+};
+
+// One fan after another, an array for each coordinate of the rays' targets: positions on a light,
+// or unit directions to one at infinity.
+struct ShadowRays {
+  std::span<const RayFan> fans;
   bool at_infinity = false;
   // Where a ray is blocked is asked for; otherwise only whether it is.
   bool wants_blockers = true;
@@ -21,17 +29,18 @@ struct ShadowRays {
 
 inline constexpr float kUnblocked = std::numeric_limits<float>::infinity();
 
+// Where rays end, as a share of their way: the last 2^-16 of it is where a light's own surface is.
+inline constexpr float kRayEnd = 1 - 0x1p-16f;
+
 struct TraceCounts {
   uint64_t rays = 0;
-  uint64_t steps = 0;    // nodes of depth pyramids looked at
-  uint64_t images = 0;   // depth images that rays were traced through
-  uint64_t packets = 0;  // of rays against triangles
+  uint64_t steps = 0;   // nodes of depth pyramids looked at
+  uint64_t images = 0;  // depth images that rays were traced through
 
   TraceCounts& operator+=(const TraceCounts& other) {
     rays += other.rays;
     steps += other.steps;
     images += other.images;
-    packets += other.packets;
     return *this;
   }
 };

@@ -9,10 +9,7 @@
 namespace penumbra {
 namespace {
 
-constexpr size_t kPacket = 8;
-
-// The last part of a ray, where a light's own surface is: 2^-16 of its length.
-constexpr float kLightShare = 1 - 0x1p-16f;
+constexpr size_t kPortion = 256;  // rays that Embree is given at a time
 
 // Learns where rays are blocked: Embree tells filters alone, when any hit will do.
 struct BlockerContext {
@@ -28,23 +25,66 @@ struct BlockerContext {
   }
 };
 
-void FillPacket(const ShadowRays& rays, Vec3 origin, size_t first, RTCRay8& packet,
-                std::array<int, kPacket>& valid) {
-  for (size_t k = 0; k < kPacket; ++k) {
-    const size_t i = std::min(first + k, rays.x.size() - 1);
-    valid[k] = first + k < rays.x.size() ? -1 : 0;
-    const Vec3 target(rays.x[i], rays.y[i], rays.z[i]);
-    const Vec3 direction = rays.at_infinity ? target : target - origin;
-    packet.org_x[k] = origin.x, packet.org_y[k] = origin.y, packet.org_z[k] = origin.z;
-    packet.dir_x[k] = direction.x, packet.dir_y[k] = direction.y, packet.dir_z[k] = direction.z;
-    packet.tnear[k] = 0.0f;
-    packet.tfar[k] = rays.at_infinity ? std::numeric_limits<float>::infinity() : kLightShare;
-    packet.time[k] = 0.0f;
-    packet.mask[k] = ~0u;
-    packet.id[k] = static_cast<unsigned>(i);
-    packet.flags[k] = 0;
+// Rays as Embree takes them.
+class Stream {
+ public:
+  explicit Stream(bool at_infinity)
+      : at_infinity_(at_infinity),
+        end_(at_infinity ? std::numeric_limits<float>::infinity() : kRayEnd) {
+    zeros_.fill(0.0f);
+    mask_.fill(~0u);
+    flags_.fill(0u);
   }
-}
+
+  size_t size() const { return size_; }
+  size_t room() const { return kPortion - size_; }
+
+  // Rays first to first + count of all.
+  void Add(const ShadowRays& rays, size_t first, size_t count, Vec3 origin) {
+    const Vec3 off = at_infinity_ ? Vec3(0.0f) : origin;
+    const float* const x = &rays.x[first];
+    const float* const y = &rays.y[first];
+    const float* const z = &rays.z[first];
+    for (size_t k = 0; k < count; ++k) {
+      const size_t at = size_ + k;
+      org_x_[at] = origin.x, org_y_[at] = origin.y, org_z_[at] = origin.z;
+      dir_x_[at] = x[k] - off.x, dir_y_[at] = y[k] - off.y, dir_z_[at] = z[k] - off.z;
+      tfar_[at] = end_;
+      id_[at] = static_cast<unsigned>(first + k);
+    }
+    size_ += count;
+  }
+
+  void Trace(RTCScene scene, RTCIntersectContext* context) {
+    const RTCRayNp rays{.org_x = org_x_.data(),
+                        .org_y = org_y_.data(),
+                        .org_z = org_z_.data(),
+                        .tnear = zeros_.data(),
+                        .dir_x = dir_x_.data(),
+                        .dir_y = dir_y_.data(),
+                        .dir_z = dir_z_.data(),
+                        .time = zeros_.data(),
+                        .tfar = tfar_.data(),
+                        .mask = mask_.data(),
+                        .id = id_.data(),
+                        .flags = flags_.data()};
+    rtcOccludedNp(scene, context, &rays, static_cast<unsigned>(size_));
+  }
+  void NoteBlocked(std::span<float> blocked_at) const {
+    for (size_t k = 0; k < size_; ++k) {
+      if (tfar_[k] < 0) blocked_at[id_[k]] = 0.0f;
+    }
+  }
+  void Clear() { size_ = 0; }
+
+ private:
+  using Floats = std::array<float, kPortion>;
+  const bool at_infinity_;
+  const float end_;
+  size_t size_ = 0;
+  alignas(64) Floats org_x_, org_y_, org_z_, dir_x_, dir_y_, dir_z_, tfar_, zeros_;
+  alignas(64) std::array<unsigned, kPortion> mask_, id_, flags_;
+};
 
 }  // namespace
 
@@ -56,19 +96,24 @@ void TriangleTracer::Trace(const ShadowRays& rays, std::span<float> blocked_at,
   rtcInitIntersectContext(&context.embree);
   if (rays.wants_blockers) context.embree.filter = BlockerContext::Note;
   std::ranges::fill(blocked_at, kUnblocked);
-  const Vec3 origin = rays.from.position + surface_offset_ * rays.from.normal;
-  alignas(64) RTCRay8 packet;
-  alignas(64) std::array<int, kPacket> valid;
-  for (size_t first = 0; first < rays.x.size(); first += kPacket) {
-    FillPacket(rays, origin, first, packet, valid);
-    rtcOccluded8(valid.data(), casters_->embree(), &context.embree, &packet);
-    if (rays.wants_blockers) continue;
-    for (size_t k = 0; k < kPacket; ++k) {
-      if (valid[k] != 0 && packet.tfar[k] < 0) blocked_at[first + k] = 0.0f;
+  Stream stream(rays.at_infinity);
+  const auto trace = [&] {
+    stream.Trace(casters_->embree(), &context.embree);
+    if (!rays.wants_blockers) stream.NoteBlocked(blocked_at);
+    stream.Clear();
+  };
+  size_t i = 0;
+  for (const RayFan& fan : rays.fans) {
+    const Vec3 origin = fan.from.position + surface_offset_ * fan.from.normal;
+    while (i < fan.end) {
+      const size_t count = std::min(fan.end - i, stream.room());
+      stream.Add(rays, i, count, origin);
+      i += count;
+      if (stream.room() == 0) trace();
     }
   }
+  if (stream.size() > 0) trace();
   counts.rays += rays.x.size();
-  counts.packets += (rays.x.size() + kPacket - 1) / kPacket;
 }
 
 }  // namespace penumbra

@@ -13,8 +13,7 @@ namespace penumbra {
 // diagonal, some hundred times what single precision rounds by.
 float SurfaceOffset(const Aabb& bounds);
 
-// Packets of 8 rays from a point: the rays that a sampler asks for are too far apart for wider ones
-// (16 take a sixth longer). Masks cut holes.
+// Masks cut holes.
 class TriangleTracer : public ShadowTracer {
  public:
   // casters         CasterBvhs::Flat, whose queries may have filters

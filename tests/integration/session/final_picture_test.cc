@@ -131,7 +131,6 @@ TEST_F(RemoteEngineTest, WorkStopsWhenNobodyWaitsForIt) {
   ASSERT_TRUE(engine->Commit("s", StudioOnAFloor()).ok());
   ArtifactSpec endless = PictureSpec(4096, 1024);
   std::get<CoherentRaytraceParams>(endless.params).coherence = false;
-  std::get<CoherentRaytraceParams>(endless.params).whole_light = false;
   Inbox inbox;
   auto subscription = engine->Subscribe("s", endless, inbox.callback());
   ASSERT_TRUE(subscription.ok()) << subscription.status();

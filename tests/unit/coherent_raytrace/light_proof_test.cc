@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "render/technique/coherent_raytrace/point_samples.h"
 #include "render/technique/coherent_raytrace/triangle_tracer.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/shapes.h"
@@ -16,33 +17,35 @@ namespace {
 constexpr uint32_t kSide = 8;
 
 // How many of the cells that are proven lit have a blocked ray; counts the proven ones. A tracer
-// blocks rays within rounding of an edge, so that none slips between triangles: of these nothing is
-// held against the proof.
+// may block rays within rounding of an edge: of these nothing is held against the proof.
 size_t WrongCells(const LightProof& proof, const ShadowTracer& tracer,
                   const std::vector<OccluderTriangle>& triangles, const LightSquare& square,
                   const SurfacePoint& point, uint64_t index, size_t& proven) {
-  const CellMask lit = proof.Of(point, kSide).lit;
-  PointSamples samples;
-  samples.Place({kSide, 3}, 7, index);
+  const CellMask lit = proof.LitFrom(point, kSide);
+  SampleBatch samples;
+  samples.Add(lit, {kSide, 1}, SampleSeed(7, index));
+  proven += samples.count;
   const LightSquare::Seen seen = square.From(point.position);
+  std::vector<float> x(samples.count), y(samples.count), z(samples.count);
+  seen.TargetsAt(samples.count, samples.u.data(), samples.v.data(), x.data(), y.data(), z.data());
+  std::vector<float> blocked_at(samples.count);
+  const bool at_infinity = square.is_at_infinity();
+  const RayFan fan{point, samples.count};
+  TraceCounts counts;
+  tracer.Trace({.fans = {&fan, 1},
+                .at_infinity = at_infinity,
+                .wants_blockers = false,
+                .x = x,
+                .y = y,
+                .z = z},
+               blocked_at, counts);
   size_t wrong = 0;
-  lit.ForEach([&](uint32_t cell) {
-    const Vec3 target = seen.TargetAt(samples.At(cell));
-    float blocked_at = kUnblocked;
-    TraceCounts counts;
-    tracer.Trace({.from = point,
-                  .at_infinity = square.is_at_infinity(),
-                  .wants_blockers = false,
-                  .x = {&target.x, 1},
-                  .y = {&target.y, 1},
-                  .z = {&target.z, 1}},
-                 {&blocked_at, 1}, counts);
-    ++proven;
-    if (blocked_at == kUnblocked) return;
-    const DVec3 origin(point.position), to(target);
-    const DVec3 way = square.is_at_infinity() ? to : to - origin;
-    wrong += !Exact(triangles, origin, way, square.is_at_infinity() ? 1e9 : 1.0, 1e-6).is_close;
-  });
+  for (size_t i = 0; i < samples.count; ++i) {
+    if (blocked_at[i] == kUnblocked) continue;
+    const DVec3 origin(point.position), to(x[i], y[i], z[i]);
+    const DVec3 way = at_infinity ? to : to - origin;
+    wrong += !Exact(triangles, origin, way, at_infinity ? 1e9 : 1.0, 1e-6).is_close;
+  }
   return wrong;
 }
 
@@ -94,7 +97,7 @@ TEST(LightProofTest, NothingIsTooThinForIt) {
   size_t lit = 0;
   for (int i = 0; i < 4000; ++i) {
     const Vec3 p(dice.Between(-2.5f, 2.5f), 0, dice.Between(-2.5f, 2.5f));
-    if (proof.Of({p, Vec3(0, 1, 0)}, kSide).lit != CellMask::All(kSide)) continue;
+    if (proof.LitFrom({p, Vec3(0, 1, 0)}, kSide) != CellMask::All(kSide)) continue;
     ++lit;
     // No wire's end, which is a point of it, lies in the hull of the point and the lamp.
     for (const Vec3& end : wires.positions) {
@@ -123,8 +126,8 @@ TEST(LightProofTest, ProvesAnOpenFloorAndNothingBelowTheHorizon) {
     const LightProof proof(*light, *scene, {.pixels = 256}, arena);
     for (int i = 0; i < 200; ++i) {
       const Vec3 p(dice.Between(-1.9f, 1.9f), 0, dice.Between(-1.9f, 1.9f));
-      EXPECT_EQ(proof.Of({p, Vec3(0, 1, 0)}, kSide).lit, CellMask::All(kSide)) << id;
-      EXPECT_TRUE(proof.Of({p, Vec3(0, -1, 0)}, kSide).lit.empty()) << id;
+      EXPECT_EQ(proof.LitFrom({p, Vec3(0, 1, 0)}, kSide), CellMask::All(kSide)) << id;
+      EXPECT_TRUE(proof.LitFrom({p, Vec3(0, -1, 0)}, kSide).empty()) << id;
     }
   }
 }

@@ -101,7 +101,8 @@ TEST_F(ShadowFieldTest, EverySwitchGivesNearlyWhatAllRaysGive) {
     settings.sampling.predicts = true;
     const ShadowField coherent = Compute(*light, settings);
     EXPECT_LT(Rmse(coherent, all), 0.02) << id;
-    settings.sampling.skips_known_rays = settings.sampling.alternates_exterior = false;
+    settings.sampling.skips_known_rays = false;
+    settings.exterior_turns = 1;
     const ShadowField exact = Compute(*light, settings);
     EXPECT_LT(Rmse(exact, all), 0.012) << id;
     if (id != "point") {
@@ -134,7 +135,7 @@ TEST_F(ShadowFieldTest, IrradianceIsThatOfTheVisiblePart) {
   }
 }
 
-TEST_F(ShadowFieldTest, ReportsTilesAndStopsBetweenRows) {
+TEST_F(ShadowFieldTest, ReportsTilesAndStops) {
   std::stop_source stop;
   size_t reports = 0;
   ShadowFieldSettings settings{.sampling = {.side = 4}};
@@ -148,6 +149,35 @@ TEST_F(ShadowFieldTest, ReportsTilesAndStopsBetweenRows) {
       ComputeShadowField(Light("lamp"), points_, *tracer_, settings, one, stop.get_token());
   EXPECT_EQ(field.status().code(), absl::StatusCode::kCancelled);
   EXPECT_EQ(reports, 5u);
+}
+
+// Each point once, however rows and tiles divide them.
+TEST_F(ShadowFieldTest, ListsOfAnyLengthAreComputed) {
+  std::vector<SurfacePoint> seen;
+  for (size_t i = 0; i < points_.size(); ++i) {
+    if (points_.is_there[i]) seen.push_back(points_.points[i]);
+  }
+  for (const uint32_t count : {1u, 31u, 32u, 33u, 1'000u, 1'025u, 3'000u}) {
+    SurfacePoints list{.width = count, .height = 1};
+    list.points.assign(seen.begin(), seen.begin() + count);
+    list.is_there.assign(count, 1);
+    if (count > 40) list.is_there[40] = 0;
+    const uint32_t there = count - (count > 40);
+    const auto compute = [&](bool predicts) {
+      return ComputeShadowField(Light("lamp"), list, *tracer_,
+                                {.sampling = {.side = 8, .predicts = predicts}}, arena_)
+          .value();
+    };
+    const ShadowField all = compute(false), coherent = compute(true);
+    EXPECT_EQ(all.points, there);
+    EXPECT_EQ(coherent.points, there);
+    EXPECT_LE(coherent.counts.rays, all.counts.rays);
+    double sum = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+      sum += std::abs(double(all.visible[i]) - coherent.visible[i]) / 64;
+    }
+    EXPECT_LT(sum / count, 0.01) << count;
+  }
 }
 
 TEST_F(ShadowFieldTest, NoPointsAndOddSidesAreHandled) {

@@ -24,7 +24,8 @@ struct Batch {
   std::vector<float> Trace(const ShadowTracer& tracer, bool wants_blockers) const {
     std::vector<float> blocked_at(x.size());
     TraceCounts counts;
-    tracer.Trace({.from = from,
+    const RayFan fan{from, x.size()};
+    tracer.Trace({.fans = {&fan, 1},
                   .at_infinity = at_infinity,
                   .wants_blockers = wants_blockers,
                   .x = x,
@@ -75,6 +76,60 @@ TEST(TriangleTracerTest, IsExactInRandomScenes) {
   EXPECT_GT(compared, 10'000u);
   EXPECT_GT(blocked_rays, 1'000u);
   EXPECT_EQ(wrong, 0u) << "of " << compared;
+}
+
+// Fans that are cut where a stream is full are the same as each fan alone. Counts the blocked rays.
+size_t TraceFans(const ShadowTracer& tracer, const LightSquare& square, bool wants_blockers,
+                 testing::Dice& dice) {
+  std::vector<RayFan> fans;
+  std::vector<float> x, y, z, alone;
+  for (const size_t count : {1, 255, 300, 7, 256, 1}) {
+    const Batch batch = RandomBatch(dice, square, count);
+    x.insert(x.end(), batch.x.begin(), batch.x.end());
+    y.insert(y.end(), batch.y.begin(), batch.y.end());
+    z.insert(z.end(), batch.z.begin(), batch.z.end());
+    fans.push_back({batch.from, x.size()});
+    const auto blocked_at = batch.Trace(tracer, wants_blockers);
+    alone.insert(alone.end(), blocked_at.begin(), blocked_at.end());
+  }
+  std::vector<float> together(x.size());
+  TraceCounts counts;
+  tracer.Trace({.fans = fans,
+                .at_infinity = square.is_at_infinity(),
+                .wants_blockers = wants_blockers,
+                .x = x,
+                .y = y,
+                .z = z},
+               together, counts);
+  EXPECT_EQ(counts.rays, x.size());
+  size_t blocked = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    EXPECT_EQ(together[i] == kUnblocked, alone[i] == kUnblocked) << i;
+    blocked += alone[i] != kUnblocked;
+  }
+  return blocked;
+}
+
+TEST(ShadowTracerTest, FansTogetherAreTracedAsEachAlone) {
+  CasterBvhs bvhs;
+  tbb::task_arena arena(2);
+  size_t by_triangles = 0, by_images = 0;
+  for (uint64_t seed = 0; seed < 12; ++seed) {
+    testing::Dice dice(seed);
+    const auto scene = testing::RandomScene(seed);
+    const AreaLight& light = *scene->FindLight("light");
+    const LightSquare square(light);
+    RasterDepthSource source(*scene, arena);
+    const TriangleTracer triangles(bvhs.Flat(*scene), 1e-4f);
+    const DepthImageTracer images(
+        DrawReferenceImages(light, *scene, {.pixels = 256}, source).value(), {});
+    for (const bool wants_blockers : {true, false}) {
+      by_triangles += TraceFans(triangles, square, wants_blockers, dice);
+      by_images += TraceFans(images, square, wants_blockers, dice);
+    }
+  }
+  EXPECT_GT(by_triangles, 500u);
+  EXPECT_GT(by_images, 500u);
 }
 
 TEST(TriangleTracerTest, BlockersLieOnTriangles) {
