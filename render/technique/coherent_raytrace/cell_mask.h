@@ -91,19 +91,7 @@ class CellMask {
   // The cells that have a neighbour, of four, on the other side of the set's edge.
   CellMask Boundary() const { return Dilated() & (All(side_) - *this).Dilated(); }
 
-  // Of a block of 4×4 cells, a bit for each: cell (x0 + k % 4, y0 + k / 4) is bit k. x0 and y0 are
-  // multiples of 4.
-  static constexpr uint32_t kBlockSide = 4;
-  uint32_t BlockAt(uint32_t x0, uint32_t y0) const {
-    return (rows_[y0] >> x0 & 15) | (rows_[y0 + 1] >> x0 & 15) << 4 |
-           (rows_[y0 + 2] >> x0 & 15) << 8 | (rows_[y0 + 3] >> x0 & 15) << 12;
-  }
-  static uint32_t CellInBlock(uint32_t x0, uint32_t y0, int bit) {
-    const auto k = static_cast<uint32_t>(bit);
-    return (y0 + k / kBlockSide) * kMaxSide + x0 + k % kBlockSide;
-  }
-
-  // Calls `visit(cell)` block by block, so that neighbours come close to each other.
+  // Calls `visit(cell)` block by block of 4×4 cells, so that neighbours come close to each other.
   template <typename Visit>
   void ForEach(Visit visit) const {
     for (uint32_t y = 0; y < side_; y += kBlockSide) {
@@ -116,6 +104,18 @@ class CellMask {
   }
 
  private:
+  // Of a block of 4×4 cells, a bit for each: cell (x0 + k % 4, y0 + k / 4) is bit k. x0 and y0 are
+  // multiples of 4.
+  static constexpr uint32_t kBlockSide = 4;
+  uint32_t BlockAt(uint32_t x0, uint32_t y0) const {
+    return (rows_[y0] >> x0 & 15) | (rows_[y0 + 1] >> x0 & 15) << 4 |
+           (rows_[y0 + 2] >> x0 & 15) << 8 | (rows_[y0 + 3] >> x0 & 15) << 12;
+  }
+  static uint32_t CellInBlock(uint32_t x0, uint32_t y0, int bit) {
+    const auto k = static_cast<uint32_t>(bit);
+    return (y0 + k / kBlockSide) * kMaxSide + x0 + k % kBlockSide;
+  }
+
   // All rows that may have cells, so many at once that they are a few vector instructions.
   template <typename Visit>
   void ForRows(Visit visit) const {

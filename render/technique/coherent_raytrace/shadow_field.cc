@@ -27,6 +27,10 @@ constexpr uint32_t kListTiles = 64;
 // How many times as far as its neighbours usually are a point may be for a prediction.
 constexpr float kSpacings = 4.0f;
 
+float PredictionDistanceAt(float spacing, const ShadowFieldSettings& settings) {
+  return settings.prediction_distance.value_or(kSpacings * spacing);
+}
+
 // Rows of neighbouring points, one for each lane of a front: those of a picture's tile, or parts of
 // a list's one after another.
 struct TileRows {
@@ -77,7 +81,7 @@ class FieldWork {
     sampling_ = settings.sampling;
     if (square_.is_single()) sampling_.side = 1;
     const float spacing = SpacingOf(points);
-    sampling_.prediction_distance = settings.prediction_distance.value_or(kSpacings * spacing);
+    sampling_.prediction_distance = PredictionDistanceAt(spacing, settings);
     sampling_.exterior_turns = std::max(
         1u, settings.exterior_turns.value_or(ExteriorTurns(square_, sampling_.side, spacing)));
     field_.sample_count = sampling_.side * sampling_.side;
@@ -184,7 +188,7 @@ void FieldWork::Report(const PixelRect& tile, const TraceCounts& counts, uint64_
 }  // namespace
 
 float PredictionDistance(const ShadowFieldSettings& settings, const SurfacePoints& points) {
-  return settings.prediction_distance.value_or(kSpacings * SpacingOf(points));
+  return PredictionDistanceAt(SpacingOf(points), settings);
 }
 
 std::vector<PixelRect> TilesOf(uint32_t width, uint32_t height) {
