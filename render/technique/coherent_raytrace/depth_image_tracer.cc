@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <tuple>
 
 namespace penumbra {
 namespace {
@@ -17,6 +19,8 @@ class PointRays {
         traversal_(accelerations.min_max_clipping, accelerations.connectedness && !wants_blockers) {
     origins_.reserve(images.size());
     for (const DepthPyramid& image : images) origins_.emplace_back(image, origin);
+    views_.reserve(images.size());
+    order_.resize(images.size());
   }
 
   float Trace(DVec3 way, double end);
@@ -26,52 +30,62 @@ class PointRays {
 
  private:
   // A ray in an image, and what of it the image shows.
-  struct Candidate {
+  struct RayView {
     ImageRay ray;
     const DepthPyramid* image;
     WayInterval seen;  // in s
     double length;
   };
 
-  std::optional<double> TraceIn(const Candidate& candidate);
+  void Rank();
+  std::optional<double> TraceIn(const RayView& view);
+  bool IsOpenInAnother(const RayView& view, double t);
 
   const RayAccelerations& accelerations_;
   ImageTraversal traversal_;
   uint64_t images_ = 0;
   std::vector<ImageOrigin> origins_;
-  std::vector<Candidate> candidates_;
+  std::vector<RayView> views_;   // of the images in their order
+  std::vector<uint32_t> order_;  // in which they are asked
   std::vector<WayInterval> open_;    // what may be blocked for all that is known, in t
   std::vector<WayInterval> hidden_;  // of that, what an image does not show, in t
   std::vector<WayInterval> in_s_;
 };
 
 float PointRays::Trace(DVec3 way, double end) {
-  candidates_.clear();
+  views_.clear();
   for (const ImageOrigin& origin : origins_) {
     const ImageRay ray(origin, way);
     const WayInterval seen = ray.Clip(ray.ParametersOf({0.0, end}));
-    candidates_.push_back({ray, origin.image, seen, seen.empty() ? 0.0 : ray.Length(seen)});
+    views_.push_back({ray, origin.image, seen, seen.empty() ? 0.0 : ray.Length(seen)});
   }
-  if (accelerations_.ranking) {
-    std::ranges::stable_sort(candidates_, [](const Candidate& a, const Candidate& b) {
-      if (a.seen.empty() != b.seen.empty()) return b.seen.empty();
-      return a.length < b.length;
-    });
-  }
+  Rank();
   open_.assign(1, {0.0, end});
-  for (const Candidate& candidate : candidates_) {
-    if (const auto blocked = TraceIn(candidate)) return static_cast<float>(*blocked);
+  for (const uint32_t i : order_) {
+    if (const auto blocked = TraceIn(views_[i])) return static_cast<float>(*blocked);
     if (accelerations_.clear_miss && hidden_.empty()) return kUnblocked;
     if (accelerations_.occlusion_intervals) std::swap(open_, hidden_);
   }
   return kUnblocked;
 }
 
+// Short rays first, those that are not seen last.
+void PointRays::Rank() {
+  std::iota(order_.begin(), order_.end(), 0u);
+  if (!accelerations_.ranking) return;
+  std::ranges::sort(order_, [&](uint32_t i, uint32_t k) {
+    const RayView& a = views_[i];
+    const RayView& b = views_[k];
+    return std::tuple(a.seen.empty(), a.length, i) < std::tuple(b.seen.empty(), b.length, k);
+  });
+}
+
 // Where the ray is blocked; nullopt: nowhere, and hidden_ is known.
-std::optional<double> PointRays::TraceIn(const Candidate& candidate) {
-  const auto& [ray, image, seen, length] = candidate;
+std::optional<double> PointRays::TraceIn(const RayView& view) {
+  const auto& [ray, image, seen, length] = view;
   ++images_;
   hidden_.clear();
+  const auto stands = [&](double s) { return !IsOpenInAnother(view, view.ray.WayAt(s)); };
   for (const WayInterval& t : open_) {
     const WayInterval all = ray.ParametersOf(t);
     const WayInterval part{std::max(all.from, seen.from), std::min(all.to, seen.to)};
@@ -83,13 +97,22 @@ std::optional<double> PointRays::TraceIn(const Candidate& candidate) {
       hidden_.push_back({t.from, ray.WayAt(part.from)});
     }
     in_s_.clear();
-    if (const auto blocked = traversal_.Trace(*image, ray, part, in_s_)) {
+    if (const auto blocked = traversal_.Trace(*image, ray, part, stands, in_s_)) {
       return ray.WayAt(*blocked);
     }
     for (const WayInterval& s : in_s_) hidden_.push_back({ray.WayAt(s.from), ray.WayAt(s.to)});
     if (!image->covers_all() && part.to < all.to) hidden_.push_back({ray.WayAt(part.to), t.to});
   }
   return std::nullopt;
+}
+
+bool PointRays::IsOpenInAnother(const RayView& view, double t) {
+  return std::ranges::any_of(views_, [&](const RayView& other) {
+    if (&other == &view) return false;
+    const double s = other.ray.ParameterAt(t);
+    return s >= other.seen.from && s <= other.seen.to &&
+           traversal_.IsOpenAt(*other.image, other.ray, other.seen, s);
+  });
 }
 
 }  // namespace

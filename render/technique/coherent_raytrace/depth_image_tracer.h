@@ -21,10 +21,13 @@ struct SelfShadowBias {
   double relative = 1e-5;  // to the point's depth
 };
 
-// Source  Agrawala et al. 2000, §5.1; departs: rays begin over the surface, along its normal,
-//         instead of depths being compared with a bias; what is beyond an image's edges counts as
-//         hidden unless nothing that casts is there, so that lights that shine all around can be
-//         seen through several images from each place
+// A ray is blocked where it goes through a surface of one image, unless another image sees it in
+// the open there. So the answer does not depend on the images' order, nor on the accelerations.
+//
+// Source  Agrawala et al. 2000, §5.1; departs: what one image sees to be empty is empty; rays begin
+//         over the surface, along its normal, instead of depths being compared with a bias; what is
+//         beyond an image's edges counts as hidden unless nothing that casts is there, so that
+//         lights that shine all around can be seen through several images from each place
 class DepthImageTracer : public ShadowTracer {
  public:
   DepthImageTracer(std::vector<DepthPyramid> images, const RayAccelerations& accelerations,

@@ -39,7 +39,8 @@ class ImageRay {
 
   // From t to s. What is not before the near plane is left out; empty where that is all.
   WayInterval ParametersOf(WayInterval t) const;
-  double WayAt(double s) const;  // t
+  double ParameterAt(double t) const;  // s
+  double WayAt(double s) const;        // t
 
   // What of [from, to], in s, lies within the image.
   WayInterval Clip(WayInterval s) const;
@@ -50,8 +51,6 @@ class ImageRay {
   const DVec3& step() const { return step_; }  // of x, y and nearness, per s
 
  private:
-  double ParameterAt(double t) const;
-
   const ImageOrigin* origin_;
   DVec3 step_;
   double depth_;      // z(0), 1 from infinitely far

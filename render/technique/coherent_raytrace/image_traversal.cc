@@ -8,25 +8,33 @@
 namespace penumbra {
 namespace {
 
-// By which a hidden part of a ray is taken to be longer at both ends.
+// By which a hidden part of a ray is taken to be longer at both ends: another image may show a
+// surface on the other side of its edge.
 constexpr double kMorePixels = 1.5;
+
+double PixelsInS(const ImageRay& ray, double pixels) {
+  return pixels / std::max(1e-30, glm::length(DVec2(ray.step())));
+}
 
 }  // namespace
 
 std::optional<double> ImageTraversal::Trace(const DepthPyramid& image, const ImageRay& ray,
-                                            WayInterval s, std::vector<WayInterval>& hidden) {
+                                            WayInterval s,
+                                            absl::FunctionRef<bool(double s)> stands,
+                                            std::vector<WayInterval>& hidden) {
   image_ = &image;
-  const double length = s.to - s.from;
+  stands_ = &stands;
+  s_ = s;
   origin_ = Vec3(ray.start() + s.from * ray.step());
-  way_ = Vec3(length * ray.step());
+  way_ = Vec3((s.to - s.from) * ray.step());
   side_ = Side::kUnknown;
   hidden_.clear();
-  if (Visit({0.0f, 1.0f, image.top(), 0, 0})) return s.from + double{blocked_at_} * length;
+  if (Visit({0.0f, 1.0f, image.top(), 0, 0})) return ParameterAt(blocked_at_);
   if (hidden_.empty()) return std::nullopt;
-  const double pixel = kMorePixels / std::max(1e-30f, glm::length(Vec2(way_)));
+  const double more = PixelsInS(ray, kMorePixels);
   for (const Piece& piece : hidden_) {
-    const double from = s.from + std::max(0.0, piece.from - pixel) * length;
-    const double to = s.from + std::min(1.0, piece.to + pixel) * length;
+    const double from = std::max(s.from, ParameterAt(piece.from) - more);
+    const double to = std::min(s.to, ParameterAt(piece.to) + more);
     if (&piece != &hidden_.front() && hidden.back().to >= from) {
       hidden.back().to = to;
     } else {
@@ -42,29 +50,30 @@ bool ImageTraversal::Visit(Piece piece) {
   float enter = NearnessAt(piece.from), leave = NearnessAt(piece.to);
   if (std::min(enter, leave) > node.near) return Enter(Side::kBefore, piece);
   if (std::max(enter, leave) < node.far) return Enter(Side::kBehind, piece);
-  if (piece.level == 0) {
-    if (!(node.near > 0)) return Enter(Side::kBefore, piece);
-    const float at = way_.z == 0 ? piece.from : (node.near - origin_.z) / way_.z;
-    return BlockAt(std::clamp(at, piece.from, piece.to));
+  const bool is_floor = piece.level == 0;
+  if (is_floor && !(node.near > 0)) return Enter(Side::kBefore, piece);
+  const auto place_of = [&](float nearness) {
+    if (way_.z == 0) return piece.from;
+    return std::clamp((nearness - origin_.z) / way_.z, piece.from, piece.to);
+  };
+  if (uses_surfaces_ && !is_floor && std::min(enter, leave) < node.far &&
+      std::max(enter, leave) > node.near && image_->IsOneSurface(piece.level, piece.x, piece.y) &&
+      BlockAt(place_of(0.5f * (node.far + node.near)))) {
+    return true;
   }
-  if (uses_surfaces_ && std::min(enter, leave) < node.far && std::max(enter, leave) > node.near &&
-      image_->IsOneSurface(piece.level, piece.x, piece.y)) {
-    return BlockAt(
-        std::clamp((0.5f * (node.far + node.near) - origin_.z) / way_.z, piece.from, piece.to));
-  }
-  if (!clips_ || way_.z == 0) return VisitChildren(piece);
-  // Only what is neither nearer nor further than all of the node.
-  float first = (node.far - origin_.z) / way_.z, last = (node.near - origin_.z) / way_.z;
+  if (!is_floor && (!clips_ || way_.z == 0)) return VisitChildren(piece);
+  // Only what is neither nearer nor further than all of the node; of a floor that is where the ray
+  // goes through it.
+  float first = place_of(node.far), last = place_of(node.near);
   const bool rises = way_.z > 0;
   if (!rises) std::swap(first, last);
-  first = std::clamp(first, piece.from, piece.to), last = std::clamp(last, first, piece.to);
   Piece part = piece;
   if (first > piece.from) {
     part.to = first;
     if (Enter(rises ? Side::kBehind : Side::kBefore, part)) return true;
   }
   part.from = first, part.to = last;
-  if (VisitChildren(part)) return true;
+  if (is_floor ? BlockAt(first) : VisitChildren(part)) return true;
   if (!(last < piece.to)) return false;
   part.from = last, part.to = piece.to;
   return Enter(rises ? Side::kBefore : Side::kBehind, part);
@@ -95,8 +104,16 @@ bool ImageTraversal::VisitChildren(const Piece& piece) {
   return false;
 }
 
+bool ImageTraversal::BlockAt(float at) {
+  if (!(*stands_)(ParameterAt(at))) return false;
+  blocked_at_ = at;
+  return true;
+}
+
 bool ImageTraversal::Enter(Side side, const Piece& piece) {
-  if (side_ != Side::kUnknown && side != side_ && HasWall(piece)) return BlockAt(piece.from);
+  if (side_ != Side::kUnknown && side != side_ && HasWall(piece) && BlockAt(piece.from)) {
+    return true;
+  }
   side_ = side;
   last_ = piece;
   if (side == Side::kBehind) {
@@ -127,6 +144,35 @@ bool ImageTraversal::HasWall(const Piece& piece) const {
   const float after = PixelIn(piece, piece.from, x1, y1);
   if (x0 == x1 && y0 == y1) return before > 0;  // through the floor, within rounding
   return image_->AreJoined(before, after);
+}
+
+bool ImageTraversal::IsOpenAt(const DepthPyramid& image, const ImageRay& ray, WayInterval seen,
+                              double s) {
+  const double more = PixelsInS(ray, kMorePixels);
+  const double from = std::max(seen.from, s - more), to = std::min(seen.to, s + more);
+  const Vec3 origin(ray.start() + from * ray.step()), way((to - from) * ray.step());
+  const int size[2] = {image.width(0), image.height(0)};
+  int pixel[2], step[2];
+  float next[2], per_pixel[2];  // where the ray leaves the pixel, in shares of the way
+  for (int axis = 0; axis < 2; ++axis) {
+    pixel[axis] = std::clamp(static_cast<int>(std::floor(origin[axis])), 0, size[axis] - 1);
+    step[axis] = way[axis] < 0 ? -1 : 1;
+    per_pixel[axis] = way[axis] == 0 ? 2.0f : 1 / std::abs(way[axis]);
+    const float edge = static_cast<float>(pixel[axis] + (step[axis] > 0));
+    next[axis] = way[axis] == 0 ? 2.0f : (edge - origin[axis]) / way[axis];
+  }
+  for (float enter = 0.0f; enter < 1;) {
+    ++steps_;
+    const int axis = next[0] < next[1] ? 0 : 1;
+    const float leave = std::min(next[axis], 1.0f);
+    const float furthest = origin.z + (way.z < 0 ? leave : enter) * way.z;
+    if (!(furthest > image.At(0, pixel[0], pixel[1]).near)) return false;
+    pixel[axis] += step[axis];
+    if (pixel[axis] < 0 || pixel[axis] >= size[axis]) return true;
+    enter = next[axis];
+    next[axis] += per_pixel[axis];
+  }
+  return true;
 }
 
 }  // namespace penumbra

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "render/technique/coherent_raytrace/image_ray.h"
 #include "render/technique/coherent_raytrace/shadow_tracer.h"
 
@@ -33,11 +34,17 @@ class ImageTraversal {
  public:
   ImageTraversal(bool clips, bool uses_surfaces) : clips_(clips), uses_surfaces_(uses_surfaces) {}
 
-  // Follows the ray through an interval in s that ImageRay::Clip returned. Where it is blocked;
+  // Follows the ray through an interval in s that ImageRay::Clip returned. Where it goes through a
+  // surface it is blocked if the block stands, and goes on otherwise. Where it is blocked first;
   // nullopt: nowhere, and where it is behind surfaces is put to the end of `hidden`, in s, with a
-  // pixel more at either end: another image may show a surface on the other side of its edge.
+  // pixel and a half more at either end.
   std::optional<double> Trace(const DepthPyramid& image, const ImageRay& ray, WayInterval s,
+                              absl::FunctionRef<bool(double s)> stands,
                               std::vector<WayInterval>& hidden);
+
+  // Whether the ray is before all surfaces for a pixel and a half about a place in `seen`, which
+  // ImageRay::Clip returned: where Trace over all of it would report nothing as hidden.
+  bool IsOpenAt(const DepthPyramid& image, const ImageRay& ray, WayInterval seen, double s);
 
   uint64_t steps() const { return steps_; }
 
@@ -54,16 +61,16 @@ class ImageTraversal {
   bool Enter(Side side, const Piece& piece);
   bool HasWall(const Piece& piece) const;
   float PixelIn(const Piece& piece, float at, int& x, int& y) const;
-  bool BlockAt(float at) {
-    blocked_at_ = at;
-    return true;
-  }
+  bool BlockAt(float at);
   float NearnessAt(float at) const { return origin_.z + at * way_.z; }
+  double ParameterAt(float at) const { return s_.from + double{at} * (s_.to - s_.from); }
 
   const bool clips_;
   const bool uses_surfaces_;
+  WayInterval s_{};                // the segment
   Vec3 origin_{0.0f}, way_{0.0f};  // of the segment, which `at` in [0, 1] runs through
   const DepthPyramid* image_ = nullptr;
+  const absl::FunctionRef<bool(double s)>* stands_ = nullptr;
   Side side_ = Side::kUnknown;
   Piece last_{};
   float blocked_at_ = 0.0f;

@@ -40,6 +40,17 @@ struct Outcome {
   double margin = 1e9;            // in nearness: how close a call was
 };
 
+// Where a quantity that grows or falls all the way from `from` to `to` is `value`.
+template <typename Of>
+double PlaceOf(double value, const Of& of, double from, double to) {
+  const bool rises = of(to) > of(from);
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (from + to);
+    ((of(middle) < value) == rises ? from : to) = middle;
+  }
+  return from;
+}
+
 // Where the ray from t = 0 to 1 crosses the edges of pixels, in order.
 template <typename At>
 std::vector<double> CutsAtPixels(const LightView& view, const At& at) {
@@ -47,27 +58,25 @@ std::vector<double> CutsAtPixels(const LightView& view, const At& at) {
   for (int axis = 0; axis < 2; ++axis) {
     const uint32_t size = axis == 0 ? view.width : view.height;
     for (uint32_t edge = 0; edge <= size; ++edge) {
-      double low = 0, high = 1;
-      const bool rises = at(1)[axis] > at(0)[axis];
       if ((at(0)[axis] < edge) == (at(1)[axis] < edge)) continue;
-      for (int k = 0; k < 60; ++k) {
-        const double middle = 0.5 * (low + high);
-        ((at(middle)[axis] < edge) == rises ? low : high) = middle;
-      }
-      cuts.push_back(low);
+      cuts.push_back(PlaceOf(edge, [&](double t) { return at(t)[axis]; }, 0, 1));
     }
   }
   std::ranges::sort(cuts);
   return cuts;
 }
 
-// Straight from the definition: the ray is cut at every edge of a pixel.
-Outcome StepByStep(const DepthPyramid& image, DVec3 origin, DVec3 way) {
+// x and y in pixels, nearness.
+DVec3 OnImage(const DepthPyramid& image, DVec3 point) {
+  const DVec3 p = image.view().Project(point);
+  return {DVec2(p), image.nearness().Of(p.z)};
+}
+
+// Straight from the definition: the ray is cut at every edge of a pixel. What blocks it before
+// `stands_from` does not stand.
+Outcome StepByStep(const DepthPyramid& image, DVec3 origin, DVec3 way, double stands_from) {
   const LightView& view = image.view();
-  const auto at = [&](double t) {
-    const DVec3 p = view.Project(origin + t * way);
-    return DVec3(DVec2(p), image.nearness().Of(p.z));
-  };
+  const auto at = [&](double t) { return OnImage(image, origin + t * way); };
   const std::vector<double> cuts = CutsAtPixels(view, at);
   Outcome outcome;
   int side = 0;
@@ -83,42 +92,50 @@ Outcome StepByStep(const DepthPyramid& image, DVec3 origin, DVec3 way) {
     outcome.margin = std::min({outcome.margin, std::abs(enter - floor), std::abs(leave - floor)});
     const int now = enter > floor ? 1 : -1;
     if (side != 0 && now != side && image.AreJoined(last, floor)) {
-      outcome.blocked = cuts[i];
-      return outcome;
+      outcome.margin = std::min(outcome.margin, std::abs(cuts[i] - stands_from));
+      if (cuts[i] >= stands_from) outcome.blocked = cuts[i];
     }
-    if (floor > 0 && (enter > floor) != (leave > floor)) {
-      outcome.blocked = cuts[i];
-      return outcome;
+    double through = cuts[i];
+    if ((enter > floor) != (leave > floor)) {
+      through = PlaceOf(floor, [&](double t) { return at(t).z; }, cuts[i], cuts[i + 1]);
+      outcome.margin = std::min(outcome.margin, std::abs(through - stands_from));
+      if (!outcome.blocked && floor > 0 && through >= stands_from) outcome.blocked = through;
     }
+    if (outcome.blocked) return outcome;
     side = leave > floor ? 1 : -1;
     last = floor;
-    if (side < 0) outcome.hidden += cuts[i + 1] - cuts[i];
+    if (enter < floor) outcome.hidden += (leave < floor ? cuts[i + 1] : through) - cuts[i];
+    if (enter > floor && leave < floor) outcome.hidden += cuts[i + 1] - through;
   }
   return outcome;
 }
 
 TEST(ImageTraversalTest, FindsWhatSteppingFromPixelToPixelFinds) {
   testing::Dice dice(1);
-  size_t compared = 0, blocked_rays = 0, hidden_rays = 0;
+  size_t compared = 0, blocked_rays = 0, hidden_rays = 0, passed_blocks = 0;
   for (int i = 0; i < 6000; ++i) {
     const DepthMap map = Hills(dice, i % 4 == 3);
     const DepthPyramid image(map, {.metres = dice.Between(0.05f, 0.4f)}, true);
     const DVec3 origin(dice.InCube(1).x * 2, dice.InCube(1).y * 2, dice.Between(0.8f, 3.8f));
     const DVec3 target(dice.InCube(1).x, dice.InCube(1).y, dice.Between(0.6f, 3.0f));
     const DVec3 way = target - origin;
-    const Outcome expected = StepByStep(image, origin, way);
+    const double stands_from = i % 3 == 0 ? dice.Between(0, 1.2f) : 0.0;
+    const Outcome expected = StepByStep(image, origin, way, stands_from);
     const ImageOrigin from(image, origin);
     const ImageRay ray(from, way);
     const WayInterval seen = ray.Clip(ray.ParametersOf({0, 1}));
     if (seen.empty() || expected.margin < 2e-5) continue;
     ++compared;
+    const auto stands = [&](double s) { return ray.WayAt(s) >= stands_from; };
     for (const bool clips : {false, true}) {
       for (const bool uses_surfaces : {false, true}) {
+        if (uses_surfaces && stands_from > 0) continue;  // asks at about the place
         ImageTraversal traversal(clips, uses_surfaces);
         std::vector<WayInterval> hidden;
-        const auto blocked = traversal.Trace(image, ray, seen, hidden);
+        const auto blocked = traversal.Trace(image, ray, seen, stands, hidden);
         ASSERT_EQ(blocked.has_value(), expected.blocked.has_value())
             << i << " clips " << clips << " surfaces " << uses_surfaces;
+        passed_blocks += !blocked && stands_from > 0 && StepByStep(image, origin, way, 0).blocked;
         if (blocked || uses_surfaces || clips) continue;
         double sum = 0;
         for (const auto& [s, e] : hidden) sum += ray.WayAt(e) - ray.WayAt(s);
@@ -134,6 +151,58 @@ TEST(ImageTraversalTest, FindsWhatSteppingFromPixelToPixelFinds) {
   EXPECT_GT(compared, 3000u);
   EXPECT_GT(blocked_rays, 500u);
   EXPECT_GT(hidden_rays, 300u);
+  EXPECT_GT(passed_blocks, 100u);
+}
+
+// Whether `count` places, evenly from a pixel and a half before t to as much after it, are all
+// nearer than what the image shows; nullopt: a close call.
+std::optional<bool> IsOpenAbout(const DepthPyramid& image, DVec3 origin, DVec3 way, double t,
+                                int count) {
+  const LightView& view = image.view();
+  const DVec2 middle(OnImage(image, origin + t * way));
+  double margin = 1e9;
+  bool is_open = true;
+  for (int k = 0; k < count; ++k) {
+    const double wanted = 1.5 * (2.0 * k / (count - 1) - 1);
+    const auto pixels = [&](double u) {
+      const double length = glm::length(DVec2(OnImage(image, origin + u * way)) - middle);
+      return u < t ? -length : length;
+    };
+    if (!(pixels(0) < wanted && wanted < pixels(1))) continue;
+    const DVec3 p = OnImage(image, origin + PlaceOf(wanted, pixels, 0, 1) * way);
+    if (!(p.x >= 0 && p.y >= 0 && p.x < view.width && p.y < view.height)) continue;
+    const double above = p.z - image.At(0, int(p.x), int(p.y)).near;
+    margin = std::min(margin, std::abs(above));
+    is_open = is_open && above > 0;
+  }
+  if (margin < 1e-3) return std::nullopt;
+  return is_open;
+}
+
+TEST(ImageTraversalTest, IsOpenWhereEveryPlaceWithinAPixelAndAHalfIs) {
+  testing::Dice dice(3);
+  size_t open = 0, closed = 0, wrong = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const DepthPyramid image(Hills(dice, i % 4 == 3), {}, true);
+    const DVec3 origin(dice.InCube(1).x * 2, dice.InCube(1).y * 2, dice.Between(0.8f, 3.8f));
+    const DVec3 target(dice.InCube(1).x, dice.InCube(1).y, dice.Between(0.6f, 3.0f));
+    const DVec3 way = target - origin;
+    const ImageOrigin from(image, origin);
+    const ImageRay ray(from, way);
+    const WayInterval seen = ray.Clip(ray.ParametersOf({0, 1}));
+    const double t = dice.Between(0, 1);
+    const double s = ray.ParameterAt(t);
+    if (!(s >= seen.from && s <= seen.to)) continue;
+    const auto expected = IsOpenAbout(image, origin, way, t, 301);
+    if (!expected) continue;
+    ImageTraversal traversal(true, false);
+    wrong += traversal.IsOpenAt(image, ray, seen, s) != *expected;
+    ++(*expected ? open : closed);
+  }
+  EXPECT_GT(open, 300u);
+  EXPECT_GT(closed, 300u);
+  // A pixel's corner that the ray cuts between two of the places.
+  EXPECT_LE(wrong, (open + closed) / 200) << "of " << open + closed;
 }
 
 TEST(ImageRayTest, IsTheLineThatProjectingItsPointsGives) {

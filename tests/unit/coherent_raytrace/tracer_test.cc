@@ -155,7 +155,7 @@ TEST(TriangleTracerTest, BlockersLieOnTriangles) {
   }
 }
 
-TEST(DepthImageTracerTest, SwitchesChangeLittleAndConnectednessNothing) {
+TEST(DepthImageTracerTest, NeitherSwitchesNorTheOrderOfImagesChangeWhatIsBlocked) {
   CasterBvhs bvhs;
   tbb::task_arena arena(2);
   size_t rays = 0, wrong = 0, differ = 0;
@@ -168,25 +168,70 @@ TEST(DepthImageTracerTest, SwitchesChangeLittleAndConnectednessNothing) {
     ASSERT_TRUE(images.ok()) << images.status();
     const LightSquare square(light);
     const TriangleTracer triangles(bvhs.Flat(*scene), SurfaceOffset(scene->Bounds()));
-    const DepthImageTracer plain(*images, RayAccelerations::None());
-    RayAccelerations connected = RayAccelerations::None();
-    connected.connectedness = true;
-    const DepthImageTracer joined(*images, connected), fast(*images, {});
+    const RayAccelerations none = RayAccelerations::None();
+    const DepthImageTracer plain(*images, none);
+    std::vector<DepthImageTracer> others;
+    for (bool RayAccelerations::* const one :
+         {&RayAccelerations::connectedness, &RayAccelerations::min_max_clipping,
+          &RayAccelerations::ranking, &RayAccelerations::clear_miss,
+          &RayAccelerations::occlusion_intervals}) {
+      RayAccelerations some = none;
+      some.*one = true;
+      others.emplace_back(*images, some);
+    }
+    others.emplace_back(*images, RayAccelerations{});
+    others.emplace_back(std::vector(images->rbegin(), images->rend()), none);
     for (int i = 0; i < 40; ++i) {
       const Batch batch = RandomBatch(dice, square, 8);
       const auto truth = batch.Trace(triangles, false), slow = batch.Trace(plain, true);
-      const auto by_surfaces = batch.Trace(joined, false), quick = batch.Trace(fast, true);
       for (size_t k = 0; k < truth.size(); ++k) {
-        ++rays;
         wrong += (truth[k] == kUnblocked) != (slow[k] == kUnblocked);
-        differ += (quick[k] == kUnblocked) != (slow[k] == kUnblocked);
-        EXPECT_EQ(by_surfaces[k] == kUnblocked, slow[k] == kUnblocked);
       }
+      for (const DepthImageTracer& other : others) {
+        const auto answers = batch.Trace(other, false);
+        for (size_t k = 0; k < truth.size(); ++k) {
+          differ += (answers[k] == kUnblocked) != (slow[k] == kUnblocked);
+        }
+      }
+      rays += truth.size();
     }
   }
   // Random scenes are full of what depth images show badly: points inside of things, slivers.
-  EXPECT_LE(wrong, rays / 12) << "of " << rays;
-  EXPECT_LE(differ, rays / 50) << "of " << rays;
+  EXPECT_LE(wrong, rays / 40) << "of " << rays;
+  // Rays that graze a surface: places are known within rounding, of one surface within the node.
+  EXPECT_LE(differ, rays / 1000) << "of 7 times " << rays;
+}
+
+// A floor 3 m below the light, and above it a blade as wide as three pixels.
+DepthPyramid BladeSeenFrom(double eye_x, bool shows_blade) {
+  DepthMap map;
+  map.view = {.eye = DVec3(eye_x, 0, 0),
+              .window = {DVec2(-1), DVec2(1)},
+              .width = 64,
+              .height = 64,
+              .near = 0.5,
+              .far = 4};
+  const int middle = static_cast<int>(map.view.Project(DVec3(0, 0, 2)).x);
+  for (int i = 0; i < 64 * 64; ++i) {
+    const bool is_blade = std::abs(i % 64 - middle) <= 1;
+    map.depths.push_back(shows_blade && is_blade ? 2.0f : 3.0f);
+  }
+  return DepthPyramid(map, {}, /*covers_all=*/true);
+}
+
+TEST(DepthImageTracerTest, WhatOneImageSeesToBeEmptyIsEmpty) {
+  Batch batch{.from = {Vec3(0, 0, 2.95f), Vec3(0, 0, -1)}, .at_infinity = false};
+  batch.x = {0.05f}, batch.y = {0.1f}, batch.z = {0};
+  const auto is_blocked = [&](std::vector<DepthPyramid> images, const RayAccelerations& how) {
+    const DepthImageTracer tracer(std::move(images), how);
+    return batch.Trace(tracer, true)[0] != kUnblocked;
+  };
+  for (const RayAccelerations& how : {RayAccelerations{}, RayAccelerations::None()}) {
+    const DepthPyramid left = BladeSeenFrom(-0.5, true), right = BladeSeenFrom(0.5, true);
+    EXPECT_TRUE(is_blocked({left, right}, how));
+    EXPECT_FALSE(is_blocked({left, BladeSeenFrom(0.5, false)}, how));
+    EXPECT_FALSE(is_blocked({BladeSeenFrom(-0.5, false), right}, how));
+  }
 }
 
 TEST(DepthImageTracerTest, NamesTheFieldThatIsWrong) {
