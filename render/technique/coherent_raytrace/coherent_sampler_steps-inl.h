@@ -19,15 +19,7 @@ namespace HWY_NAMESPACE {
 inline CellMask CoherentSampler::Predict(PartTable& parts) {
   if (part_.size() < blockers_.size()) part_.resize(blockers_.size());
   seen_.PartsBehind(grid_, blockers_.data(), blocker_count_, part_.data());
-  parts.Keep({part_.data(), blocker_count_});
-  // Without branches: which blockers are kept is as good as random.
-  size_t kept = 0;
-  Vec4* const blockers = blockers_.data();
-  for (uint32_t i = 0; i < blocker_count_; ++i) {
-    blockers[kept] = blockers[i];
-    kept += parts.IsNewest(part_[i], i);
-  }
-  blocker_count_ = kept;
+  blocker_count_ = parts.KeepLast({part_.data(), blocker_count_}, blockers_.data());
   return parts.Cells(settings_.side);
 }
 

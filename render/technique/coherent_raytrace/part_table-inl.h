@@ -22,13 +22,13 @@ HWY_BEFORE_NAMESPACE();
 namespace penumbra {
 namespace HWY_NAMESPACE {
 
-// The newest blocker of each part and of each cell, of one prediction at a time: for any number of
-// samplers that take turns. Blockers are known by their numbers among those given to Keep.
+// Which parts and cells have a blocker, of one prediction at a time: for any number of samplers that
+// take turns.
 class PartTable {
  public:
   explicit PartTable(const CellGrid& grid)
-      : newest_of_part_(grid.off() + 1),
-        newest_of_cell_(kNoCell + 1),
+      : marks_of_parts_(grid.off() + 1),
+        marks_of_cells_(kNoCell + 1),
         cell_of_part_(grid.off() + 1) {
     for (uint32_t part = 0; part < grid.off(); ++part) {
       const uint32_t x = part % grid.along() / grid.parts, y = part / grid.along() / grid.parts;
@@ -37,53 +37,61 @@ class PartTable {
     cell_of_part_[grid.off()] = kNoCell;
   }
 
-  // Forgets what was kept before.
+  // Forgets what was kept before. The last blocker of each part goes to the front, in their order.
+  // Returns how many these are.
   //
   // part  that each blocker hides (PartsBehind)
-  void Keep(std::span<const uint32_t> part);
-  bool IsNewest(uint32_t part, uint32_t number) const {
-    return newest_of_part_[part] == first_ + number;
-  }
-  bool HasBlocker(uint32_t part) const { return newest_of_part_[part] >= first_; }
+  size_t KeepLast(std::span<const uint32_t> part, Vec4* blockers);
+  bool HasBlocker(uint32_t part) const { return marks_of_parts_[part] == mark_; }
   // The cells with a blocker in some part.
   CellMask Cells(uint32_t side) const;
 
  private:
   static constexpr uint32_t kNoCell = CellMask::kMaxSide * CellMask::kMaxSide;
 
-  // Blockers numbered from 1, and again when numbers run out; less than first_ are those of
-  // predictions before.
-  std::vector<uint32_t> newest_of_part_, newest_of_cell_;
-  uint32_t first_ = 1, next_ = 1;
+  void NextMark();
+
+  // The mark of the prediction at hand, or one of those before it.
+  std::vector<uint32_t> marks_of_parts_, marks_of_cells_;
+  uint32_t mark_ = 0;
   std::vector<uint32_t> cell_of_part_;
 };
 
-inline void PartTable::Keep(std::span<const uint32_t> part) {
-  if (next_ > std::numeric_limits<uint32_t>::max() - part.size()) {
-    std::ranges::fill(newest_of_part_, 0u);
-    std::ranges::fill(newest_of_cell_, 0u);
-    next_ = 1;
+inline void PartTable::NextMark() {
+  if (mark_ == std::numeric_limits<uint32_t>::max()) {
+    std::ranges::fill(marks_of_parts_, 0u);
+    std::ranges::fill(marks_of_cells_, 0u);
+    mark_ = 0;
   }
-  first_ = next_;
-  uint32_t* const of_part = newest_of_part_.data();
-  uint32_t* const of_cell = newest_of_cell_.data();
+  ++mark_;
+}
+
+inline size_t PartTable::KeepLast(std::span<const uint32_t> part, Vec4* blockers) {
+  NextMark();
+  const uint32_t mark = mark_;
+  uint32_t* const of_parts = marks_of_parts_.data();
+  uint32_t* const of_cells = marks_of_cells_.data();
   const uint32_t* const cell_of_part = cell_of_part_.data();
-  uint32_t number = first_;
-  for (const uint32_t p : part) {
-    of_part[p] = number;
-    of_cell[cell_of_part[p]] = number;
-    ++number;
+  of_parts[marks_of_parts_.size() - 1] = mark;  // what is off the light is not kept
+  // From the last one, to the end, without branches: which are kept is as good as random.
+  size_t kept = part.size();
+  for (size_t i = part.size(); i-- > 0;) {
+    const uint32_t p = part[i];
+    blockers[kept - 1] = blockers[i];
+    kept -= of_parts[p] != mark;
+    of_parts[p] = mark;
+    of_cells[cell_of_part[p]] = mark;
   }
-  next_ = number;
-  newest_of_part_.back() = 0;  // of what is off the light
+  std::copy(blockers + kept, blockers + part.size(), blockers);
+  return part.size() - kept;
 }
 
 inline CellMask PartTable::Cells(uint32_t side) const {
   CellMask cells(side);
   for (uint32_t y = 0; y < side; ++y) {
-    const uint32_t* const newest = &newest_of_cell_[CellMask::kMaxSide * y];
+    const uint32_t* const marks = &marks_of_cells_[CellMask::kMaxSide * y];
     uint32_t row = 0;
-    for (uint32_t x = 0; x < CellMask::kMaxSide; ++x) row |= uint32_t{newest[x] >= first_} << x;
+    for (uint32_t x = 0; x < CellMask::kMaxSide; ++x) row |= uint32_t{marks[x] == mark_} << x;
     cells.SetRow(y, row);
   }
   return cells;
