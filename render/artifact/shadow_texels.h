@@ -50,6 +50,9 @@ struct ShadowTexels {
   }
 };
 
+// A texel as its code holds it.
+Vec3 Rounded(const RadianceCodec& codec, Vec3 radiance);
+
 // Rounds the texels to `format`. What is above the largest number becomes that.
 //
 // scale  > 0; of kUnorm16 and kUnorm8 alone

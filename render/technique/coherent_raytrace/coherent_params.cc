@@ -56,7 +56,7 @@ uint32_t SideOf(const CoherentRaytraceParams& params, const AreaLight& light) {
 }
 
 std::map<std::string, std::string> EffectiveParameters(const CoherentRaytraceParams& params,
-                                                       uint32_t side, float shadow_bias,
+                                                       uint32_t side, float surface_offset,
                                                        float prediction_distance) {
   const bool by_images = params.backend == RayBackend::kDepthImages;
   std::map<std::string, std::string> text = {
@@ -67,13 +67,15 @@ std::map<std::string, std::string> EffectiveParameters(const CoherentRaytracePar
       {"coherence", TextOf(params.coherence)},
       {"prediction_distance", absl::StrFormat("%.9g", prediction_distance)}};
   if (params.radiance) text["output"] = NameOf(params.output);
+  if (params.shadow_bias > 0 || !by_images) {
+    text["shadow_bias"] = absl::StrFormat(
+        "%.9g", params.shadow_bias > 0 ? params.shadow_bias : surface_offset);
+  }
   if (by_images) {
     text["resolution"] = absl::StrCat(params.resolution);
     text["whole_light"] = TextOf(params.whole_light);
     text["ray_accelerations"] = TextOf(params.ray_accelerations);
     if (params.gap_bias > 0) text["gap_bias"] = absl::StrFormat("%.9g", params.gap_bias);
-  } else {
-    text["shadow_bias"] = absl::StrFormat("%.9g", shadow_bias);
   }
   return text;
 }

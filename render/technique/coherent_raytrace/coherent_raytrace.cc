@@ -42,10 +42,14 @@ absl::StatusOr<std::unique_ptr<ShadowTracer>> MakeTracer(const Scene& scene, con
   ReferenceImageSettings settings{.pixels = params.resolution};
   if (params.gap_bias > 0) settings.gap.metres = params.gap_bias;
   AutoDepthSource source(scene, bvhs, context.arena);
-  auto images = DrawReferenceImages(light, scene, settings, source, context.stop);
+  auto images =
+      DrawReferenceImages(light, scene, settings, source, context.arena, context.stop);
   if (!images.ok()) return images.status();
+  SelfShadowBias bias;
+  if (params.shadow_bias > 0) bias.metres = params.shadow_bias;
   return std::make_unique<DepthImageTracer>(
-      *std::move(images), params.ray_accelerations ? RayAccelerations{} : RayAccelerations::None());
+      *std::move(images), params.ray_accelerations ? RayAccelerations{} : RayAccelerations::None(),
+      bias);
 }
 
 ShadowFieldSettings SettingsOf(const CoherentRaytraceParams& params, const AreaLight& light,
@@ -65,15 +69,15 @@ PointReceiver WithoutGivenPoints(const PointReceiver& receiver) {
   return std::holds_alternative<GivenPoints>(receiver) ? PointReceiver(GivenPoints{}) : receiver;
 }
 
-ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec,
+ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec, const AreaLight& light,
                          const ShadowFieldSettings& settings, const SurfacePoints& points) {
   const CoherentRaytraceParams& params = ParamsOf(spec);
   ArtifactHeader header = HeaderOf(scene, spec);
   const uint32_t side = settings.sampling.side;
   header.samples_requested = side * side;
   header.error_estimate = ErrorEstimate(side * side, side > 1);
-  header.parameters = EffectiveParameters(params, side, BiasOf(params, scene),
-                                          PredictionDistance(settings, points));
+  header.parameters = EffectiveParameters(params, side, SurfaceOffset(scene.Bounds()),
+                                          PredictionDistance(settings, light, points));
   return header;
 }
 
@@ -103,15 +107,15 @@ absl::StatusOr<Artifact> CoherentRaytrace::Compute(const Scene& scene, const Art
   // Rays against triangles are quicker than what it saves of them.
   const bool pays = params.backend == RayBackend::kDepthImages && settings.sampling.side > 1;
   if (params.whole_light && pays) {
-    proof.emplace(*light, scene, ProofSettings{}, context.arena);
+    proof.emplace(*light, scene, ProofSettings{}, context.arena, context.stop);
     settings.proof = &*proof;
   }
   ViewShadow view;
   view.points = WithoutGivenPoints(*spec.points);
   view.light = *light;
   if (params.radiance) view.radiance.emplace();
-  PictureInTheMaking picture(HeaderFor(scene, spec, settings, *points), std::move(view), *points,
-                             params.output, context);
+  PictureInTheMaking picture(HeaderFor(scene, spec, *light, settings, *points), std::move(view),
+                             *points, params.output, context);
   settings.on_tile = [&](const TileDone& done, const ShadowField& so_far) {
     picture.Add(done, so_far);
   };

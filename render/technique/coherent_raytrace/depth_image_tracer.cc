@@ -118,6 +118,7 @@ bool PointRays::IsOpenInAnother(const RayView& view, double t) {
 }  // namespace
 
 double DepthImageTracer::OffsetOf(const SurfacePoint& point) const {
+  if (bias_.metres) return *bias_.metres;
   double offset = 0.0;
   for (const DepthPyramid& image : images_) {
     const LightView& view = image.view();

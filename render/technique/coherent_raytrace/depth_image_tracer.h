@@ -4,6 +4,7 @@
 //   const DepthImageTracer tracer(*std::move(images), {});
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace penumbra {
 // steps are up to sin γ / √2 of a pixel off it along the normal; curved surfaces and neighbours of
 // a silhouette need more. Of 0.4, 0.7 and 1 pixels, 0.7 comes closest to rays against triangles.
 struct SelfShadowBias {
+  std::optional<double> metres;  // instead of what follows
   double pixels = 0.7;     // pixels' widths at the point's depth, times ½ + sin γ / √2
   double relative = 1e-5;  // to the point's depth
 };

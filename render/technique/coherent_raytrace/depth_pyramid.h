@@ -23,6 +23,9 @@ struct GapBias {
 
 class DepthPyramid {
  public:
+  // Nodes and what they join, of all levels.
+  static constexpr double kBytesPerPixel = 9 * 4.0 / 3.0;
+
   // Nearness: `far` of the furthest pixel, 0 if there is nothing in one of them, `near` of the
   // nearest.
   struct Node {

@@ -120,27 +120,28 @@ std::optional<LightProof::Parts> LightProof::PartsIn(const LightView& view) cons
 }
 
 LightProof::LightProof(const AreaLight& light, const Scene& scene, const ProofSettings& settings,
-                       tbb::task_arena& arena)
+                       tbb::task_arena& arena, const std::stop_token& stop)
     : square_(light), bias_(settings.bias) {
   if (square_.is_single()) return;  // its one ray costs less
   const Vec3 middle = square_.From(scene.Bounds().center()).TargetAt(Vec2(0.5f));
-  AddEye(light, scene, middle, settings.pixels, arena);
+  AddEye(light, scene, middle, settings.pixels, arena, stop);
   if (!settings.has_quarters || square_.kind() == LightSquare::Kind::kSphere) return;
   for (const Vec2 at :
        {Vec2(0.25f, 0.25f), Vec2(0.75f, 0.25f), Vec2(0.25f, 0.75f), Vec2(0.75f, 0.75f)}) {
-    AddEye(light, scene, square_.From(Vec3(0.0f)).TargetAt(at), settings.pixels, arena);
+    AddEye(light, scene, square_.From(Vec3(0.0f)).TargetAt(at), settings.pixels, arena, stop);
   }
 }
 
 void LightProof::AddEye(const AreaLight& light, const Scene& scene, Vec3 place, uint32_t pixels,
-                        tbb::task_arena& arena) {
+                        tbb::task_arena& arena, const std::stop_token& stop) {
   Eye eye;
   for (const auto& [view, covers_all] : ViewsFrom(light, scene, place, pixels)) {
     if (auto parts = PartsIn(view)) {
       const DVec2 scale = view.pixels_per_slope();
       const LightPart& all = (*parts)[0][0];
       const Window around{.min = all.low / scale, .max = all.high / scale};
-      eye.push_back({NearestDepths(view, scene, around, arena), covers_all, *std::move(parts)});
+      eye.push_back({NearestDepths(view, scene, around, arena, stop), covers_all,
+                     *std::move(parts)});
     }
   }
   eyes_.push_back(std::move(eye));

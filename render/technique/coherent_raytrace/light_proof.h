@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "render/scene/area_light.h"
@@ -49,8 +50,9 @@ struct LightPart {
 //         traversal (Agrawala et al. 2000, §5.1.1) taken with the whole light instead of a ray
 class LightProof {
  public:
+  // stop  once it is requested nothing that is proven holds
   LightProof(const AreaLight& light, const Scene& scene, const ProofSettings& settings,
-             tbb::task_arena& arena);
+             tbb::task_arena& arena, const std::stop_token& stop = {});
 
   // Cells of a grid of side × side that the point is proven to see all of. The surface's plane must
   // have all of the light above it.
@@ -72,7 +74,7 @@ class LightProof {
   using Eye = std::vector<Picture>;
 
   void AddEye(const AreaLight& light, const Scene& scene, Vec3 place, uint32_t pixels,
-              tbb::task_arena& arena);
+              tbb::task_arena& arena, const std::stop_token& stop);
   std::optional<Parts> PartsIn(const LightView& view) const;
   // The point as the eyes see it, found when asked for.
   class Stand;

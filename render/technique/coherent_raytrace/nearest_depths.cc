@@ -238,13 +238,13 @@ class TriangleDrawer {
 }  // namespace
 
 NearestDepths::NearestDepths(const LightView& view, const Scene& scene, const Window& light,
-                             tbb::task_arena& arena)
+                             tbb::task_arena& arena, const std::stop_token& stop)
     : view_(view) {
   const int width = static_cast<int>(view.width), height = static_cast<int>(view.height);
   levels_.push_back({width, height, std::vector<float>(size_t{view.width} * view.height)});
   Picture picture(width, height, levels_[0].nearest);
   for (const auto& [id, instance] : scene.instances()) {
-    if (!instance->casts) continue;
+    if (!instance->casts || stop.stop_requested()) continue;
     const Mesh& mesh = *instance->mesh;
     std::vector<DVec3> placed(mesh.vertex_count());
     const DVec3 eye = view.from_infinity ? DVec3(0.0) : view.eye;
@@ -254,6 +254,7 @@ NearestDepths::NearestDepths(const LightView& view, const Scene& scene, const Wi
         placed[i] = view.frame.FromWorld(DVec3(p)) - eye;
       });
       ParallelFor(mesh.triangle_count(), [&](size_t i) {
+        if (stop.stop_requested()) return;
         const uint32_t* const corners = &mesh.indices()[3 * i];
         TriangleDrawer(view, light, picture, beside_)
             .Draw({placed[corners[0]], placed[corners[1]], placed[corners[2]]});

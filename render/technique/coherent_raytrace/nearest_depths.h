@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "render/artifact/light_view.h"
@@ -23,8 +24,9 @@ class NearestDepths {
  public:
   // light  a box around the light as the eye sees it, in m along the frame's axes; from infinitely
   //        far of no use
+  // stop   once it is requested nothing that is said holds
   NearestDepths(const LightView& view, const Scene& scene, const Window& light,
-                tbb::task_arena& arena);
+                tbb::task_arena& arena, const std::stop_token& stop = {});
 
   const LightView& view() const { return view_; }
   // The nearest anywhere in the picture, or, of what reaches beyond its edges, between any point in

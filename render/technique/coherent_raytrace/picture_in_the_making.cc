@@ -1,5 +1,6 @@
 #include "render/technique/coherent_raytrace/picture_in_the_making.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "render/scene/unoccluded_light.h"
@@ -9,6 +10,8 @@ namespace {
 
 // How long a viewer waits for the next tiles; more often would send the same masks again and again.
 constexpr double kPublishEveryMs = 150.0;
+// Publishing copies the whole picture, and no tile is taken over meanwhile: its share of the time.
+constexpr double kPublishingShare = 0.05;
 // Without a clock: for each such share of the tiles.
 constexpr double kPublishEveryShare = 0.125;
 
@@ -38,11 +41,13 @@ PictureInTheMaking::PictureInTheMaking(ArtifactHeader header, ViewShadow view,
 void PictureInTheMaking::Copy(const PixelRect& tile, const ShadowField& field) {
   for (uint32_t y = tile.y; y < tile.y + tile.height; ++y) {
     for (uint32_t x = tile.x; x < tile.x + tile.width; ++x) {
-      const size_t i = size_t{y} * points_.width + x;
+      const size_t i = points_.Visited(size_t{y} * points_.width + x);
       if (!points_.is_there[i]) continue;
       mask_->Set(i);
       view_.visibility.counts[i] = field.visible[i];
-      if (view_.radiance) view_.radiance->texels[i] = strength_ * field.irradiance[i];
+      if (view_.radiance) {
+        view_.radiance->texels[i] = AsHeld(strength_ * field.irradiance[i]);
+      }
     }
   }
 }
@@ -51,23 +56,32 @@ void PictureInTheMaking::Add(const TileDone& done, const ShadowField& so_far) {
   if (!context_.progress) return;
   Copy(done.tile, so_far);
   const double share = static_cast<double>(done.tiles_done) / static_cast<double>(done.tiles);
+  if (done.tiles_done == done.tiles || !IsDue(share)) return;
   const double ms = watch_.ElapsedMs();
-  const bool is_due = context_.now_ms ? ms - published_ms_ >= kPublishEveryMs
-                                      : share - published_share_ >= kPublishEveryShare;
-  if (!is_due || done.tiles_done == done.tiles) return;
   view_.progress = {
       .fraction_done = share, .rays_traced = done.rays, .time_left_ms = ms * (1 - share) / share};
-  published_ms_ = ms;
-  published_share_ = share;
-  context_.progress(Snapshot());
+  context_.progress(Publish(view_));
   ++header_.pass;
+  published_share_ = share;
+  published_ms_ = watch_.ElapsedMs();
+  publishing_ms_ = published_ms_ - ms;
+}
+
+bool PictureInTheMaking::IsDue(double share) const {
+  if (!context_.now_ms) return share - published_share_ >= kPublishEveryShare;
+  const double pause = std::max(kPublishEveryMs, publishing_ms_ / kPublishingShare);
+  return watch_.ElapsedMs() - published_ms_ >= pause;
+}
+
+Vec3 PictureInTheMaking::AsHeld(Vec3 radiance) const {
+  const RadianceFormat format = view_.radiance->format;
+  return format == RadianceFormat::kFloat32 ? radiance
+                                            : Rounded(RadianceCodec(format, 1.0f), radiance);
 }
 
 // With a mask of its own, since what was handed out stays as it is.
-Artifact PictureInTheMaking::Snapshot() const {
-  ViewShadow view = view_;
+Artifact PictureInTheMaking::Publish(ViewShadow view) const {
   view.coverage = std::make_shared<CoverageMask>(*mask_);
-  if (view.radiance) RoundTo(view.radiance->format, 1.0f, *view.radiance);
   Artifact artifact{.header = header_, .payload = std::move(view)};
   artifact.header.timings_ms["compute"] = watch_.ElapsedMs();
   return artifact;
@@ -77,7 +91,7 @@ Artifact PictureInTheMaking::Finish(const ShadowField& field) && {
   Copy({0, 0, points_.width, points_.height}, field);
   header_.is_final = true;
   view_.progress = {.fraction_done = 1.0, .rays_traced = field.counts.rays, .time_left_ms = 0.0};
-  return Snapshot();
+  return Publish(std::move(view_));
 }
 
 }  // namespace penumbra

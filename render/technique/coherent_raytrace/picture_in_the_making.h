@@ -32,13 +32,17 @@ class PictureInTheMaking {
 
  private:
   void Copy(const PixelRect& tile, const ShadowField& field);
-  Artifact Snapshot() const;
+  Vec3 AsHeld(Vec3 radiance) const;
+  bool IsDue(double share) const;
+  Artifact Publish(ViewShadow view) const;
 
   const SurfacePoints& points_;
   const ComputeContext& context_;
   const Vec3 strength_;  // of the light
   Stopwatch watch_;      // since the beginning
+  // The last time that it was published: when that was done, how long it took, what was there.
   double published_ms_ = 0.0;
+  double publishing_ms_ = 0.0;
   double published_share_ = 0.0;
   ArtifactHeader header_;
   ViewShadow view_;

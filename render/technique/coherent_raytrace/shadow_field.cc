@@ -24,11 +24,17 @@ constexpr uint32_t kTileSide = SamplerFront::kLanes;
 constexpr uint32_t kLeastTilePoints = 32 * kTileSide, kMostTilePoints = 128 * kTileSide;
 constexpr uint32_t kListTiles = 64;
 
-// How many times as far as its neighbours usually are a point may be for a prediction.
+// How many times as far as its neighbours usually are a point may be for a prediction. And the
+// shadow of something half-way up to the light, which moves by as much as the points do, must not
+// go over more than a part of the light: nothing at its edge would tell of what is in its middle.
 constexpr float kSpacings = 4.0f;
+constexpr float kLightWidths = 0.25f;
 
-float PredictionDistanceAt(float spacing, const ShadowFieldSettings& settings) {
-  return settings.prediction_distance.value_or(kSpacings * spacing);
+float PredictionDistanceAt(float spacing, const LightSquare& square,
+                           const ShadowFieldSettings& settings) {
+  const float distance = kSpacings * spacing;
+  return settings.prediction_distance.value_or(
+      square.is_at_infinity() ? distance : std::min(distance, kLightWidths * square.width()));
 }
 
 // Rows of neighbouring points, one for each lane of a front: those of a picture's tile, or parts of
@@ -46,8 +52,10 @@ struct TileRows {
 
   // The place of a row's point in the points, if it has one there.
   std::optional<size_t> At(uint32_t row, uint32_t column, const SurfacePoints& points) const {
-    const size_t i = first + row * stride + column;
-    if (i >= end || !points.is_there[i]) return std::nullopt;
+    const size_t place = first + row * stride + column;
+    if (place >= end) return std::nullopt;
+    const size_t i = points.Visited(place);
+    if (!points.is_there[i]) return std::nullopt;
     return i;
   }
 
@@ -81,7 +89,7 @@ class FieldWork {
     sampling_ = settings.sampling;
     if (square_.is_single()) sampling_.side = 1;
     const float spacing = SpacingOf(points);
-    sampling_.prediction_distance = PredictionDistanceAt(spacing, settings);
+    sampling_.prediction_distance = PredictionDistanceAt(spacing, square_, settings);
     sampling_.exterior_turns = std::max(
         1u, settings.exterior_turns.value_or(ExteriorTurns(square_, sampling_.side, spacing)));
     field_.sample_count = sampling_.side * sampling_.side;
@@ -187,8 +195,9 @@ void FieldWork::Report(const PixelRect& tile, const TraceCounts& counts, uint64_
 
 }  // namespace
 
-float PredictionDistance(const ShadowFieldSettings& settings, const SurfacePoints& points) {
-  return PredictionDistanceAt(SpacingOf(points), settings);
+float PredictionDistance(const ShadowFieldSettings& settings, const AreaLight& light,
+                         const SurfacePoints& points) {
+  return PredictionDistanceAt(SpacingOf(points), LightSquare(light), settings);
 }
 
 std::vector<PixelRect> TilesOf(uint32_t width, uint32_t height) {

@@ -22,7 +22,7 @@ namespace penumbra {
 class LightProof;
 
 struct TileDone {
-  PixelRect tile;
+  PixelRect tile;  // of a list: of the places in its order
   size_t tiles_done = 0;
   size_t tiles = 0;
   uint64_t rays = 0;  // traced so far
@@ -42,7 +42,7 @@ struct ShadowField {
 
 struct ShadowFieldSettings {
   SamplingSettings sampling;  // but for its prediction_distance and exterior_turns
-  // Chosen from the points' spacing when not given, in m.
+  // Chosen from the points' spacing and the light's width when not given, in m.
   std::optional<float> prediction_distance;
   // SamplingSettings::exterior_turns, chosen from the points' spacing when not given.
   std::optional<uint32_t> exterior_turns;
@@ -58,7 +58,8 @@ struct ShadowFieldSettings {
 };
 
 // From a point further than this, in m, from the one before nothing is predicted.
-float PredictionDistance(const ShadowFieldSettings& settings, const SurfacePoints& points);
+float PredictionDistance(const ShadowFieldSettings& settings, const AreaLight& light,
+                         const SurfacePoints& points);
 
 // Tiles begin afresh, so that the same points, light and settings give the same bits for any number
 // of threads and any order of tiles.

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
+#include "render/math/aabb.h"
 #include "render/math/parallel_for.h"
 
 namespace penumbra {
@@ -72,6 +74,40 @@ void SeeBlock(RTCScene scene, const EyeRays& rays, const PixelRect& part, uint32
   TakeHits(packet, valid, places, rays, points);
 }
 
+constexpr uint32_t kMortonBits = 21;  // a coordinate
+
+// Its bits three apart.
+uint64_t Spread(uint64_t bits) {
+  bits = (bits | bits << 32) & 0x001f'0000'0000'ffff;
+  bits = (bits | bits << 16) & 0x001f'0000'ff00'00ff;
+  bits = (bits | bits << 8) & 0x100f'00f0'0f00'f00f;
+  bits = (bits | bits << 4) & 0x10c3'0c30'c30c'30c3;
+  return (bits | bits << 2) & 0x1249'2492'4924'9249;
+}
+
+std::vector<uint32_t> AlongMortonCurve(const std::vector<SurfacePoint>& points) {
+  Aabb bounds;
+  for (const SurfacePoint& point : points) bounds.Add(point.position);
+  const Vec3 size = bounds.extent();
+  const double cells = double{1u << kMortonBits} - 1;
+  const double scale = cells / std::max<double>({size.x, size.y, size.z, 1e-30f});
+  std::vector<std::pair<uint64_t, uint32_t>> places;
+  places.reserve(points.size());
+  for (const SurfacePoint& point : points) {
+    const DVec3 at = scale * DVec3(point.position - bounds.min);
+    uint64_t code = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      code |= Spread(static_cast<uint64_t>(std::clamp(at[axis], 0.0, cells))) << axis;
+    }
+    places.emplace_back(code, static_cast<uint32_t>(places.size()));
+  }
+  std::ranges::sort(places);
+  std::vector<uint32_t> order;
+  order.reserve(places.size());
+  for (const auto& [code, i] : places) order.push_back(i);
+  return order;
+}
+
 }  // namespace
 
 SurfacePoints NoPoints(GridExtent grid) {
@@ -108,14 +144,19 @@ SurfacePoints ListedPoints(const GivenPoints& given) {
     points.points[i] = {position, Vec3(glm::normalize(DVec3(normal)))};
     points.is_there[i] = 1;
   }
+  const float as_they_come = SpacingOf(points);
+  points.order = AlongMortonCurve(points.points);
+  if (!(SpacingOf(points) < as_they_come)) points.order.clear();
   return points;
 }
 
 float SpacingOf(const SurfacePoints& points) {
   std::vector<float> distances;
-  for (size_t i = 1; i < points.size(); ++i) {
-    if (i % points.width == 0 || !points.is_there[i] || !points.is_there[i - 1]) continue;
-    distances.push_back(glm::distance(points.points[i].position, points.points[i - 1].position));
+  for (size_t place = 1; place < points.size(); ++place) {
+    if (place % points.width == 0) continue;
+    const size_t i = points.Visited(place), before = points.Visited(place - 1);
+    if (!points.is_there[i] || !points.is_there[before]) continue;
+    distances.push_back(glm::distance(points.points[i].position, points.points[before].position));
   }
   if (distances.empty()) return 0.0f;
   const auto middle = distances.begin() + static_cast<ptrdiff_t>(distances.size() / 2);

@@ -19,8 +19,12 @@ struct SurfacePoints {
   uint32_t height = 0;
   std::vector<SurfacePoint> points;
   std::vector<uint8_t> is_there;  // 1 where there is a surface
+  // The points in the order in which they are visited, so that each is near the one before it;
+  // empty: as they are.
+  std::vector<uint32_t> order;
 
   size_t size() const { return points.size(); }
+  size_t Visited(size_t place) const { return order.empty() ? place : order[place]; }
 };
 
 // As many, none of which is there.
@@ -38,7 +42,8 @@ absl::StatusOr<SurfacePoints> VisiblePoints(const CasterBvh& instances,
                                             const PicturePixels& picture, tbb::task_arena& arena,
                                             const std::stop_token& stop = {});
 
-// A client's own points, their normals made of length 1.
+// A client's own points, their normals made of length 1. Visited as they come, or along a
+// space-filling curve (Morton's) if neighbours are closer to each other there.
 SurfacePoints ListedPoints(const GivenPoints& given);
 
 // The texels of a lightmap on the uvs of the instance's mesh, which has some: those whose middle is

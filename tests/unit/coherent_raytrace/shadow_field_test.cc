@@ -180,6 +180,38 @@ TEST_F(ShadowFieldTest, ListsOfAnyLengthAreComputed) {
   }
 }
 
+// Of points of which each is anywhere but near the one before it.
+TEST_F(ShadowFieldTest, ListsInNoOrderAreAsGoodAsOthers) {
+  std::vector<SurfacePoint> shuffled;
+  for (size_t i = 0; i < points_.size(); ++i) {
+    const auto& [position, normal] = points_.points[i];
+    if (points_.is_there[i]) shuffled.push_back({position, normal});
+  }
+  testing::Dice dice(5);
+  for (size_t i = shuffled.size(); i > 1; --i) {
+    std::swap(shuffled[i - 1], shuffled[dice.Below(static_cast<uint32_t>(i))]);
+  }
+  const auto given = std::make_shared<const std::vector<SurfacePoint>>(std::move(shuffled));
+  const SurfacePoints list = ListedPoints({.points = given});
+  EXPECT_FALSE(list.order.empty());
+  EXPECT_LT(SpacingOf(list), 0.1f);
+  for (const char* id : {"lamp", "sun"}) {
+    const auto compute = [&](bool predicts) {
+      return ComputeShadowField(Light(id), list, *tracer_,
+                                {.sampling = {.side = 16, .predicts = predicts}}, arena_)
+          .value();
+    };
+    const ShadowField all = compute(false), coherent = compute(true);
+    double sum2 = 0;
+    for (size_t i = 0; i < list.size(); ++i) {
+      const double off = (double(all.visible[i]) - coherent.visible[i]) / 256;
+      sum2 += off * off;
+    }
+    EXPECT_LT(std::sqrt(sum2 / list.size()), 0.02) << id;
+    EXPECT_LT(coherent.counts.rays, all.counts.rays / 2) << id;
+  }
+}
+
 TEST_F(ShadowFieldTest, NoPointsAndOddSidesAreHandled) {
   const SurfacePoints none;
   const auto empty =

@@ -1,10 +1,12 @@
 // Tracers against every triangle in double precision.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
 #include "render/light_view/raster_depth_source.h"
+#include "render/scene/field_error.h"
 #include "render/technique/coherent_raytrace/depth_image_tracer.h"
 #include "render/technique/coherent_raytrace/light_square.h"
 #include "render/technique/coherent_raytrace/reference_images.h"
@@ -122,7 +124,7 @@ TEST(ShadowTracerTest, FansTogetherAreTracedAsEachAlone) {
     RasterDepthSource source(*scene, arena);
     const TriangleTracer triangles(bvhs.Flat(*scene), 1e-4f);
     const DepthImageTracer images(
-        DrawReferenceImages(light, *scene, {.pixels = 256}, source).value(), {});
+        DrawReferenceImages(light, *scene, {.pixels = 256}, source, arena).value(), {});
     for (const bool wants_blockers : {true, false}) {
       by_triangles += TraceFans(triangles, square, wants_blockers, dice);
       by_images += TraceFans(images, square, wants_blockers, dice);
@@ -164,7 +166,7 @@ TEST(DepthImageTracerTest, NeitherSwitchesNorTheOrderOfImagesChangeWhatIsBlocked
     const auto scene = testing::RandomScene(seed);
     const AreaLight& light = *scene->FindLight("light");
     RasterDepthSource source(*scene, arena);
-    const auto images = DrawReferenceImages(light, *scene, {.pixels = 512}, source);
+    const auto images = DrawReferenceImages(light, *scene, {.pixels = 512}, source, arena);
     ASSERT_TRUE(images.ok()) << images.status();
     const LightSquare square(light);
     const TriangleTracer triangles(bvhs.Flat(*scene), SurfaceOffset(scene->Bounds()));
@@ -240,14 +242,42 @@ TEST(DepthImageTracerTest, NamesTheFieldThatIsWrong) {
   RasterDepthSource source(*scene, arena);
   const AreaLight& light = *scene->FindLight("light");
   const auto message = [&](const ReferenceImageSettings& settings) {
-    const auto images = DrawReferenceImages(light, *scene, settings, source);
+    const auto images = DrawReferenceImages(light, *scene, settings, source, arena);
     EXPECT_EQ(images.status().code(), absl::StatusCode::kInvalidArgument);
     return std::string(images.status().message());
   };
-  EXPECT_EQ(message({.pixels = 0}), "reference.pixels: found 0, need 1 to 8192");
-  EXPECT_EQ(message({.gap = {.metres = NAN}}), "reference.gap: found nan, need a number >= 0");
+  EXPECT_EQ(message({.pixels = 0}), "resolution: found 0, need 1 to 8192");
+  EXPECT_EQ(message({.gap = {.metres = NAN}}), "gap_bias: found nan, need a number >= 0");
   EXPECT_EQ(message({.places = {Vec3(0), Vec3(0, NAN, 0)}}),
-            "reference.places[1]: need finite numbers");
+            "places[1]: need finite numbers");
+}
+
+TEST(DepthImageTracerTest, ImagesHaveALimit) {
+  tbb::task_arena arena(1);
+  const auto scene = testing::RandomScene(0);
+  RasterDepthSource source(*scene, arena);
+  const AreaLight& light = *scene->FindLight("light");
+  const auto images = DrawReferenceImages(light, *scene, {.pixels = 8192, .max_bytes = 1'000'000},
+                                          source, arena);
+  EXPECT_EQ(images.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ErrorFieldPath(images.status()), "resolution");
+  EXPECT_THAT(std::string(images.status().message()),
+              ::testing::MatchesRegex("resolution: found 8192, with which [0-9]+ images take "
+                                      "[0-9]+ bytes, need at most 1000000"));
+}
+
+TEST(DepthImageTracerTest, ABiasInMetresIsTaken) {
+  const DepthPyramid image = BladeSeenFrom(0, true);
+  Batch batch{.from = {Vec3(0, 0, 2.0f), Vec3(0, 0, 1)}, .at_infinity = false};
+  batch.x = {0.3f}, batch.y = {0}, batch.z = {0};
+  const auto is_blocked = [&](double metres) {
+    const DepthImageTracer tracer({image}, {}, {.metres = metres});
+    return batch.Trace(tracer, true)[0] != kUnblocked;
+  };
+  // From behind the blade, or from in front of it once the surface is turned.
+  EXPECT_TRUE(is_blocked(0.1));
+  batch.from.normal = Vec3(0, 0, -1);
+  EXPECT_FALSE(is_blocked(0.1));
 }
 
 }  // namespace
