@@ -67,7 +67,8 @@ absl::Status Receive(Engine& engine, const std::string& scene_id,
 // The final picture's shadows: as many pixels as are shaded, in each light.
 std::vector<PlannedShadow> FinalShadows(const ViewCommand& command, const ShadowPlan& plan,
                                         const Camera& camera) {
-  CoherentRaytraceParams params;
+  // Half floats go up to 65,504, whatever the light's strength.
+  CoherentRaytraceParams params{.output = RadianceFormat::kFloat32};
   if (const auto* chosen = std::get_if<CoherentRaytraceParams>(&command.request.params)) {
     params = *chosen;
   }

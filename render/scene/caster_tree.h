@@ -37,6 +37,8 @@ class CasterTree {
   }
 
   size_t size() const { return casters_.size(); }
+  // CasterBounds of each.
+  const std::vector<Aabb>& bounds() const { return bounds_; }
 
  private:
   Casters casters_;

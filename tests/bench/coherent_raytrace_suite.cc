@@ -4,7 +4,8 @@
 // Depth images: hierarchical traversal of images from the light's four corners, 1536 pixels wide,
 // without accelerations; with those of rays; with those and coherence-based sampling (Agrawala et
 // al. 2000, figure 10); with proofs for parts of the light as well (LightProof). On every eighth
-// tile, one after another in turn. rmse_accelerated is against no accelerations on these tiles.
+// tile, one after another in turn. rmse_accelerated (with coherence) and rmse_ray_accelerated
+// (without) are against no accelerations on these tiles.
 //
 // Triangles: coherence-based sampling against Embree tracing all samples of the same
 // points in packets of 16, cells of 4 × 4 of one point a packet, with or without the coherent
@@ -197,7 +198,11 @@ std::vector<Row> DepthImageRows(const Case& c, const std::string& prefix, const 
           {prefix + "mean_rays_with_proof" + suffix, RaysOf(fields[3]), "1"},
           {prefix + "rmse_accelerated" + suffix,
            Rmse(c, fields[2].visible, fields[0].visible, &some), "1"},
-          {prefix + "depth_image_rmse_vs_embree" + suffix, Rmse(c, whole.visible, truth), "1"}};
+          {prefix + "rmse_ray_accelerated" + suffix,
+           Rmse(c, fields[1].visible, fields[0].visible, &some), "1"},
+          {prefix + "depth_image_rmse_vs_embree" + suffix, Rmse(c, whole.visible, truth), "1"},
+          {prefix + "rmse_unaccelerated_vs_embree" + suffix,
+           Rmse(c, fields[0].visible, truth, &some), "1"}};
 }
 
 std::vector<Row> TriangleRows(const Case& c, const std::string& prefix, const std::string& suffix,

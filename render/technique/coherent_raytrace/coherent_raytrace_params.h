@@ -61,12 +61,14 @@ struct CoherentRaytraceParams {
       {"ray_accelerations", "bool", "true", "",
        "of depth images: connectedness, clipping, ranking, clear misses, occlusion intervals"},
       {"prediction_distance", "float", "0", "at least 0",
-       "metres between points beyond which nothing is predicted; 0: by the points' spacing"},
+       "metres between points beyond which nothing is predicted; 0: by the points' spacing and the "
+       "light's width"},
       {"resolution", "uint", "1536", "1 to 8192", "of depth images: pixels along the longer side"},
       {"gap_bias", "float", "0", "at least 0",
        "of depth images: metres between neighbouring depths of one surface; 0: by their footprint"},
       {"shadow_bias", "float", "0", "at least 0",
-       "metres that rays begin above their surface; 0: by the scene's size"},
+       "metres that rays begin above their surface; 0: by the scene's size, of depth images by "
+       "their pixels"},
   };
   static constexpr TechniqueInfo kInfo = {
       .name = "coherent_raytrace",

@@ -12,14 +12,6 @@ namespace {
 
 constexpr Window kAnywhere{.min = DVec2(-1e9), .max = DVec2(1e9)};
 
-std::vector<Aabb> CasterBoxes(const Scene& scene) {
-  std::vector<Aabb> boxes;
-  for (const auto& [id, instance] : scene.instances()) {
-    if (instance->casts) boxes.push_back(WorldBounds(*instance));
-  }
-  return boxes;
-}
-
 // Nothing that casts is beyond the view's edges.
 bool CoversAll(const LightView& view, std::span<const Aabb> boxes) {
   if (view.from_infinity) return true;
@@ -35,7 +27,7 @@ bool CoversAll(const LightView& view, std::span<const Aabb> boxes) {
 
 std::vector<EyeView> ViewsFrom(const AreaLight& light, const Scene& scene, Vec3 place,
                                uint32_t pixels) {
-  const auto boxes = CasterBoxes(scene);
+  const std::vector<Aabb>& boxes = scene.casters().bounds();
   const bool at_infinity = LightSquare(light).is_at_infinity();
   std::vector<EyeView> views;
   for (const LightFace& face : FacesOf(light, scene.Bounds())) {
