@@ -139,7 +139,7 @@ absl::Status LocalEngine::ReportView(const std::string& scene_id, const std::str
   auto scene = Find(scene_id);
   if (!scene.ok()) return scene.status();
   if (view) {
-    if (absl::Status status = CheckView(*view); !status.ok()) return status;
+    if (auto status = CheckView(*view, options_.scene_limits); !status.ok()) return status;
   }
   return (*scene)->ReportView(viewer, view, options_.max_viewers_per_scene);
 }
