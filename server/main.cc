@@ -85,6 +85,10 @@ void AddOptions(CLI::App& app, CommandLine& command) {
   app.add_option("--threads", command.server.threads, "Threads that compute; 0: all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  app.add_option("--runners", command.server.runners,
+                 "Artifacts that are computed at a time, besides one final picture")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   app.add_option("--egl-device", command.server.egl_device,
                  "EGL device, by number or part of its name; default: the first hardware device, "
                  "else software");

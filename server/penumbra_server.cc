@@ -32,6 +32,7 @@ using GlWorker = absl::StatusOr<std::unique_ptr<gl::Worker>>;
 // `gl_worker` outlives the engine.
 LocalEngineOptions EngineOptions(const ServerOptions& options, const GlWorker& gl_worker) {
   return {.cpu_threads = options.threads,
+          .runner_threads = options.runners,
           .max_kept_bytes = options.limits.max_kept_bytes,
           .scene_limits = options.limits.scene,
           .max_scenes = options.limits.max_scenes,

@@ -21,6 +21,7 @@ namespace penumbra {
 struct ServerOptions {
   std::string listen = "127.0.0.1:7717";  // see listen_address.h
   int threads = 0;                        // that compute; 0: as many as the hardware has
+  int runners = 2;                        // artifacts that are computed at a time, besides points
   std::string egl_device;                 // see gl::Display::Open
   bool opens_gl = true;                   // otherwise the server is degraded
   bool reflection = false;

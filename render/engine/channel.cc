@@ -9,11 +9,12 @@
 
 namespace penumbra {
 
-Channel::Channel(ArtifactSpec spec, const Technique& technique, const JobResources& resources)
+Channel::Channel(ArtifactSpec spec, const Technique& technique, const JobResources& resources,
+                 std::shared_ptr<SceneMemory> scene_memory)
     : spec_(std::move(spec)),
       technique_(technique),
       resources_(resources),
-      memory_{.budget = resources.kept} {}
+      memory_{.budget = resources.kept, .of_scene = std::move(scene_memory)} {}
 
 void Channel::Add(std::shared_ptr<Subscriber> subscriber, std::shared_ptr<const Scene> scene) {
   std::lock_guard lock(mutex_);

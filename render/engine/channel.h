@@ -43,7 +43,8 @@ struct JobResources {
 
 class Channel : public std::enable_shared_from_this<Channel> {
  public:
-  Channel(ArtifactSpec spec, const Technique& technique, const JobResources& resources);
+  Channel(ArtifactSpec spec, const Technique& technique, const JobResources& resources,
+          std::shared_ptr<SceneMemory> scene_memory);
 
   // The first subscriber starts the first job. Later ones get the newest artifact at once.
   void Add(std::shared_ptr<Subscriber> subscriber, std::shared_ptr<const Scene> scene);

@@ -52,7 +52,8 @@ absl::Status LiveScene::Subscribe(const ArtifactSpec& spec, const Technique& tec
                                      " different artifacts subscribed to, need at most ",
                                      max_channels, " a scene"));
     }
-    found = channels_.emplace(key, std::make_shared<Channel>(spec, technique, resources)).first;
+    auto channel = std::make_shared<Channel>(spec, technique, resources, memory_);
+    found = channels_.emplace(key, std::move(channel)).first;
   }
   ShareViews(*found->second, *Snapshot());
   found->second->Add(std::move(subscriber), Snapshot());

@@ -42,6 +42,8 @@ class LiveScene {
   void ShareViews(Channel& channel, const Scene& scene) const;
   void ShareViews() const;
 
+  const std::shared_ptr<SceneMemory> memory_ = std::make_shared<SceneMemory>();
+
   mutable std::mutex head_mutex_;  // held for a copy of the pointer only
   std::shared_ptr<const Scene> head_;
 

@@ -45,16 +45,20 @@ struct LocalEngine::Threads {
   // TBB starts no more threads than the hardware has unless told to.
   tbb::global_control parallelism;
   tbb::task_arena arena;
+  // A picture's loops keep the threads that have entered them to its end.
+  tbb::task_arena point_arena;
   WorkerPool workers;
   JobQueue jobs{workers.lane(1)};
+  JobQueue point_jobs{workers.lane(2)};
 
   WorkerPool::Lane& deliveries() { return workers.lane(0); }
 
   explicit Threads(const LocalEngineOptions& options)
       : parallelism(tbb::global_control::max_allowed_parallelism,
-                    std::max(CpuThreads(options), tbb::info::default_concurrency())),
+                    std::max(2 * CpuThreads(options), tbb::info::default_concurrency())),
         arena(CpuThreads(options)),
-        workers({options.delivery_threads, options.runner_threads}) {}
+        point_arena(CpuThreads(options)),
+        workers({options.delivery_threads, options.runner_threads, /*for points*/ 1}) {}
 };
 
 LocalEngine::LocalEngine(LocalEngineOptions options)
@@ -139,7 +143,7 @@ absl::Status LocalEngine::ReportView(const std::string& scene_id, const std::str
   auto scene = Find(scene_id);
   if (!scene.ok()) return scene.status();
   if (view) {
-    if (absl::Status status = CheckView(*view); !status.ok()) return status;
+    if (auto status = CheckView(*view, options_.scene_limits); !status.ok()) return status;
   }
   return (*scene)->ReportView(viewer, view, options_.max_viewers_per_scene);
 }
@@ -154,8 +158,9 @@ absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::
   if (absl::IsInvalidArgument(check)) return check;
   auto subscriber =
       std::make_shared<Subscriber>(std::move(callback), threads_->deliveries(), counters_);
-  const JobResources resources{.jobs = threads_->jobs,
-                               .arena = threads_->arena,
+  const bool is_for_points = InfoOf(spec.params).target == SpecTarget::kPoints;
+  const JobResources resources{.jobs = is_for_points ? threads_->point_jobs : threads_->jobs,
+                               .arena = is_for_points ? threads_->point_arena : threads_->arena,
                                .now_ms = options_.now_ms,
                                .counters = counters_,
                                .kept = kept_,

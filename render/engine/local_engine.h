@@ -5,8 +5,10 @@
 //   engine.Commit("studio", delta);
 //   auto artifact = ComputeOnce(engine, "studio", spec);  // render/engine/compute_once.h
 //
-// Jobs run on a few runner threads, which hand their loops to one TBB arena; callbacks run on
-// delivery threads, so that neither a long job nor a slow callback keeps updates from the others.
+// Jobs run on a few runner threads, which hand their loops to one TBB arena. Jobs for points, final
+// pictures for instance, may take minutes: they have one runner more, one arena and one turn after
+// another among themselves, so that nothing else waits for them. Callbacks run on delivery threads,
+// so that neither a long job nor a slow callback keeps updates from the others.
 // A callback that is slower than the updates come sees the newest and misses those in between.
 #pragma once
 
@@ -30,8 +32,9 @@ class Worker;
 }
 
 struct LocalEngineOptions {
-  int cpu_threads = 0;       // that jobs share; 0: as many as the hardware has
-  int runner_threads = 2;    // jobs that run at a time
+  // That jobs share, and as many for jobs for points; 0: as many as the hardware has.
+  int cpu_threads = 0;
+  int runner_threads = 2;    // jobs that run at a time, besides one for points
   int delivery_threads = 2;  // callbacks that run at a time
   // What techniques may keep in all to answer edits faster; 0: nothing.
   size_t max_kept_bytes = size_t{256} << 20;

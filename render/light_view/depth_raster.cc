@@ -92,11 +92,11 @@ RasterImage DepthRaster::Image() {
           .height = static_cast<int32_t>(view_.height)};
 }
 
-void DepthRaster::Draw(const PlacedCaster& caster) {
+void DepthRaster::Draw(const PlacedCaster& caster, const std::stop_token& stop) {
   if (view_.empty() || Misses(caster.bounds())) return;
   const Instance& instance = caster.instance();
   std::array<uint16_t, kClusterTriangles> deferred;
-  for (size_t k = 0; k < caster.cluster_count(); ++k) {
+  for (size_t k = 0; k < caster.cluster_count() && !stop.stop_requested(); ++k) {
     if (Misses(caster.BoxOf(k))) continue;
     const RasterCut cut{.mask = instance.alpha_mask.get(),
                         .cutoff = instance.alpha_cutoff,

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "render/artifact/depth_map.h"
@@ -20,8 +21,9 @@ class DepthRaster {
   // `frame` is the view's, with any middle.
   DepthRaster(const LightView& view, const RasterFrame& frame);
 
-  // `caster` is placed in the frame.
-  void Draw(const PlacedCaster& caster);
+  // `caster` is placed in the frame. Once stop is requested, which is asked for once a cluster,
+  // nothing more is drawn.
+  void Draw(const PlacedCaster& caster, const std::stop_token& stop = {});
 
   DepthMap Finish() &&;
 

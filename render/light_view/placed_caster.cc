@@ -11,12 +11,13 @@ constexpr FrameBox kNoBox{.min = Vec3(std::numeric_limits<float>::infinity()),
 
 }  // namespace
 
-PlacedCaster::PlacedCaster(const RasterFrame& frame, std::shared_ptr<const Instance> instance)
+PlacedCaster::PlacedCaster(const RasterFrame& frame, std::shared_ptr<const Instance> instance,
+                           const std::stop_token& stop)
     : frame_(frame), instance_(std::move(instance)), bounds_(kNoBox) {
   const TriangleClusters& clusters = instance_->mesh->triangle_clusters();
   for (auto* axis : {&x_, &y_, &z_}) axis->resize(clusters.vertices.size() + kRasterLanes);
   boxes_.reserve(clusters.size());
-  for (size_t c = 0; c < clusters.size(); ++c) {
+  for (size_t c = 0; c < clusters.size() && !stop.stop_requested(); ++c) {
     boxes_.push_back(Place(clusters.first_vertex[c], clusters.first_vertex[c + 1]));
     bounds_.min = glm::min(bounds_.min, boxes_.back().min);
     bounds_.max = glm::max(bounds_.max, boxes_.back().max);

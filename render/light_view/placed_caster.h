@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "render/artifact/light_view.h"
@@ -27,7 +28,9 @@ struct FrameBox {
 
 class PlacedCaster {
  public:
-  PlacedCaster(const RasterFrame& frame, std::shared_ptr<const Instance> instance);
+  // Once stop is requested, of those clusters only that are placed by then.
+  PlacedCaster(const RasterFrame& frame, std::shared_ptr<const Instance> instance,
+               const std::stop_token& stop = {});
 
   const RasterFrame& frame() const { return frame_; }
   const Instance& instance() const { return *instance_; }

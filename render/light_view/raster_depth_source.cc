@@ -57,14 +57,17 @@ RasterDepthSource::RasterDepthSource(const Scene& scene, tbb::task_arena& arena)
   }
 }
 
-void RasterDepthSource::PlaceIn(const RasterFrame& frame) {
-  if (frame_ && *frame_ == frame) return;
-  frame_ = frame;
+absl::Status RasterDepthSource::PlaceIn(const RasterFrame& frame, const std::stop_token& stop) {
+  if (frame_ && *frame_ == frame) return absl::OkStatus();
+  frame_.reset();
   placed_.clear();
   placed_.resize(casters_.size());
   RunIn(arena_, [&] {
-    ParallelFor(casters_.size(), [&](size_t i) { placed_[i].emplace(frame, casters_[i]); });
+    ParallelFor(casters_.size(), [&](size_t i) { placed_[i].emplace(frame, casters_[i], stop); });
   });
+  if (stop.stop_requested()) return absl::CancelledError("stopped");
+  frame_ = frame;
+  return absl::OkStatus();
 }
 
 absl::Status RasterDepthSource::Draw(std::span<const LightView> views, const std::stop_token& stop,
@@ -75,7 +78,7 @@ absl::Status RasterDepthSource::Draw(std::span<const LightView> views, const std
     const RasterFrame frame = FrameFor(views[first]);
     size_t end = first + 1;
     while (end < views.size() && FrameFor(views[end]) == frame) ++end;
-    PlaceIn(frame);
+    if (absl::Status status = PlaceIn(frame, stop); !status.ok()) return status;
     absl::Status status = DrawPlaced(views.subspan(first, end - first), first, stop, take);
     if (!status.ok()) return status;
     first = end;
@@ -92,10 +95,7 @@ absl::Status RasterDepthSource::DrawPlaced(std::span<const LightView> views, siz
     RunIn(arena_, [&] {
       ParallelFor(count, [&](size_t i) {
         DepthRaster raster(views[first + i], *frame_);
-        for (const auto& caster : placed_) {
-          if (stop.stop_requested()) return;
-          raster.Draw(*caster);
-        }
+        for (const auto& caster : placed_) raster.Draw(*caster, stop);
         maps[i] = std::move(raster).Finish();
       });
     });

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "render/light_view/depth_source.h"
@@ -25,8 +26,8 @@ class RasterDepthSource : public DepthSource {
                     const Take& take) override;
 
  private:
-  // Places the casters in `frame`, unless they are.
-  void PlaceIn(const RasterFrame& frame);
+  // Places the casters in `frame`, unless they are. Errors  kCancelled
+  absl::Status PlaceIn(const RasterFrame& frame, const std::stop_token& stop);
   // Views of one frame, the first of which is views[first_index] of Draw's.
   absl::Status DrawPlaced(std::span<const LightView> views, size_t first_index,
                           const std::stop_token& stop, const Take& take);

@@ -47,12 +47,21 @@ absl::Status Invalid(std::string_view reason, std::string_view field, std::strin
   return FieldError(absl::StatusCode::kInvalidArgument, reason, field, message);
 }
 
+absl::Status CheckPlace(std::string_view field, Vec3 place, const SceneLimits& limits) {
+  if (!IsFinite(place)) return Invalid("NON_FINITE", field, "need finite numbers");
+  if (glm::all(glm::lessThanEqual(glm::abs(place), Vec3(limits.max_coordinate)))) {
+    return absl::OkStatus();
+  }
+  return Invalid("OUT_OF_BOUNDS", field,
+                 absl::StrCat("found (", place.x, ", ", place.y, ", ", place.z,
+                              "), need coordinates of at most ", limits.max_coordinate));
+}
+
 }  // namespace
 
-absl::Status CheckCamera(const Camera& camera) {
-  if (!IsFinite(camera.eye)) return Invalid("NON_FINITE", "camera.eye", "need finite numbers");
-  if (!IsFinite(camera.target))
-    return Invalid("NON_FINITE", "camera.target", "need finite numbers");
+absl::Status CheckCamera(const Camera& camera, const SceneLimits& limits) {
+  if (auto status = CheckPlace("camera.eye", camera.eye, limits); !status.ok()) return status;
+  if (auto status = CheckPlace("camera.target", camera.target, limits); !status.ok()) return status;
   if (!IsFinite(camera.up) || camera.up == Vec3(0)) {
     return Invalid("RANGE", "camera.up", "need finite numbers that are not all 0");
   }
@@ -113,8 +122,8 @@ Camera FrameScene(const Aabb& bounds, float aspect) {
   return camera;
 }
 
-absl::Status CheckView(const View& view) {
-  if (absl::Status status = CheckCamera(view.camera); !status.ok()) return status;
+absl::Status CheckView(const View& view, const SceneLimits& limits) {
+  if (absl::Status status = CheckCamera(view.camera, limits); !status.ok()) return status;
   if (std::isfinite(view.aspect) && view.aspect > 0) return absl::OkStatus();
   return Invalid("RANGE", "camera.aspect",
                  absl::StrCat("found ", view.aspect, ", need a number > 0"));

@@ -8,6 +8,7 @@
 #include "render/math/aabb.h"
 #include "render/math/vec.h"
 #include "render/scene/receiver.h"
+#include "render/scene/scene_limits.h"
 
 namespace penumbra {
 
@@ -20,8 +21,9 @@ struct Camera {
   friend bool operator==(const Camera&, const Camera&) = default;
 };
 
-// Errors  kInvalidArgument, field paths "camera.eye" and so on: not finite, eye at target, RANGE
-absl::Status CheckCamera(const Camera& camera);
+// Errors  kInvalidArgument, field paths "camera.eye" and so on: NON_FINITE, OUT_OF_BOUNDS (the
+//         limits' coordinates), RANGE, as for an eye at its target
+absl::Status CheckCamera(const Camera& camera, const SceneLimits& limits = {});
 
 // Takes world to clip space with reversed depth (render/gl/draw.h): nothing is too far, and what is
 // nearer than 1/10,000 of the way to the target is cut.
@@ -37,7 +39,7 @@ struct View {
 };
 
 // Errors  those of CheckCamera; RANGE at "camera.aspect"
-absl::Status CheckView(const View& view);
+absl::Status CheckView(const View& view, const SceneLimits& limits = {});
 
 // The part of the picture, in [0, 1], that `patch` fills, whichever side it shows and whatever
 // stands before it.

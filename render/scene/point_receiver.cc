@@ -58,7 +58,7 @@ absl::Status CheckIt(const PicturePixels& picture, const SceneLimits& limits) {
     if (side >= 1 && side <= kMaxSide) continue;
     return Invalid("RANGE", field, absl::StrCat("found ", side, ", need 1 to ", kMaxSide));
   }
-  const absl::Status camera = CheckView({picture.camera, picture.aspect()});
+  const absl::Status camera = CheckView({picture.camera, picture.aspect()}, limits);
   if (!camera.ok()) return WithFieldPrefix(camera, "picture.");
   const PixelRect whole{0, 0, picture.width, picture.height};
   if (auto status = CheckRect("picture.crop", picture.crop, whole); !status.ok()) return status;

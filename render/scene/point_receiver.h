@@ -87,7 +87,8 @@ GridExtent GridOf(const PointReceiver& receiver);
 // Whether the receiver can be, whatever the scene.
 //
 // Errors  kInvalidArgument, the field named from "picture", "lightmap" or "given" on: a camera's,
-//         NON_FINITE, RANGE, BAD_ID; kResourceExhausted QUOTA_TEXELS, QUOTA_POINTS: too many
+//         NON_FINITE, OUT_OF_BOUNDS, RANGE, BAD_ID; kResourceExhausted QUOTA_TEXELS, QUOTA_POINTS:
+//         too many
 absl::Status Check(const PointReceiver& receiver, const SceneLimits& limits = {});
 
 // The same for equal receivers.

@@ -1,19 +1,31 @@
-// The hierarchies that rays of an artifact's next computation will want again.
+// The hierarchies that rays of a scene's next computations will want again.
 #pragma once
 
 #include <memory>
+#include <mutex>
 
 #include "render/light_view/caster_bvh.h"
-#include "render/technique/technique_memory.h"
+#include "render/light_view/caster_bvh_store.h"
+#include "render/technique/technique.h"
 
 namespace penumbra {
 
-// In the artifact's memory, if it has one: what an edit leaves in its place is not built again. Of
-// techniques that keep nothing else there.
-inline std::shared_ptr<CasterBvhs> KeptBvhs(TechniqueMemory* memory) {
-  if (memory == nullptr) return std::make_shared<CasterBvhs>();
-  if (memory->kept == nullptr) memory->kept = std::make_shared<CasterBvhs>();
-  return std::static_pointer_cast<CasterBvhs>(memory->kept);
+// Those that all artifacts of the scene share: as far as the budget goes, what an edit leaves in
+// its place is not built again, nor for another light. Of techniques that keep nothing else in the
+// artifact's memory.
+inline CasterBvhs KeptBvhs(const ComputeContext& context) {
+  TechniqueMemory* const memory = context.memory;
+  if (memory == nullptr) return CasterBvhs(context.stop);
+  if (memory->kept == nullptr) {
+    auto store = std::make_shared<CasterBvhStore>(&memory->budget);
+    if (memory->of_scene != nullptr) {
+      const std::lock_guard lock(memory->of_scene->mutex);
+      if (auto shared = memory->of_scene->bvhs.lock()) store = std::move(shared);
+      memory->of_scene->bvhs = store;
+    }
+    memory->kept = std::move(store);
+  }
+  return CasterBvhs(context.stop, std::static_pointer_cast<CasterBvhStore>(memory->kept));
 }
 
 }  // namespace penumbra

@@ -29,7 +29,7 @@ float BiasOf(const CoherentRaytraceParams& params, const Scene& scene) {
   return params.shadow_bias > 0 ? params.shadow_bias : SurfaceOffset(scene.Bounds());
 }
 
-// Errors  those of DrawReferenceImages; kResourceExhausted: the status of a CasterBvh
+// Errors  those of DrawReferenceImages, the status of a CasterBvh
 absl::StatusOr<std::unique_ptr<ShadowTracer>> MakeTracer(const Scene& scene, const AreaLight& light,
                                                          const CoherentRaytraceParams& params,
                                                          CasterBvhs& bvhs,
@@ -96,10 +96,10 @@ absl::StatusOr<Artifact> CoherentRaytrace::Compute(const Scene& scene, const Art
   if (const auto status = Check(scene, spec); !status.ok()) return status;
   const CoherentRaytraceParams& params = ParamsOf(spec);
   const auto light = scene.FindLight(spec.light_id);
-  const auto bvhs = KeptBvhs(context.memory);
-  const auto points = PointsOf(scene, *spec.points, *bvhs, context.arena, context.stop);
+  CasterBvhs bvhs = KeptBvhs(context);
+  const auto points = PointsOf(scene, *spec.points, bvhs, context.arena, context.stop);
   if (!points.ok()) return Within("points.", points.status());
-  const auto tracer = MakeTracer(scene, *light, params, *bvhs, context);
+  const auto tracer = MakeTracer(scene, *light, params, bvhs, context);
   if (!tracer.ok()) return Within("coherent_raytrace.", tracer.status());
 
   ShadowFieldSettings settings = SettingsOf(params, *light, *spec.points);

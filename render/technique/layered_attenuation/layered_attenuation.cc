@@ -100,14 +100,14 @@ bool LayeredAttenuation::NeedsGl(const ArtifactSpec& spec) const {
 absl::StatusOr<Artifact> LayeredAttenuation::Compute(const Scene& scene, const ArtifactSpec& spec,
                                                      const ComputeContext& context) const {
   if (const auto status = Check(scene, spec); !status.ok()) return status;
-  const auto bvhs = KeptBvhs(context.memory);
+  CasterBvhs bvhs = KeptBvhs(context);
   const auto source = MakeDepthSource(
       ParamsOf(spec).source, scene,
-      {.bvhs = *bvhs, .arena = context.arena, .gl = context.gl, .gl_error = context.gl_error},
+      {.bvhs = bvhs, .arena = context.arena, .gl = context.gl, .gl_error = context.gl_error},
       "layered_attenuation.source");
   if (!source.ok()) return source.status();
   // These are drawn a few times each: by whatever needs no context.
-  CasterBvhs surface_bvhs;
+  CasterBvhs surface_bvhs(context.stop);
   std::vector<std::unique_ptr<AutoDepthSource>> surface_sources;
   std::vector<SeenSurface> surfaces;
   for (auto& surface : SurfacesWithoutShadows(scene)) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "client/display/picture_tile.h"
+#include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
@@ -75,6 +76,16 @@ TEST(CameraTest, RefusesWhatShowsNothing) {
   Camera camera = good;
   camera.eye.x = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THAT(std::string(CheckCamera(camera).message()), HasSubstr("camera.eye"));
+  camera.eye.x = 1e30f;
+  EXPECT_EQ(ErrorFieldPath(CheckCamera(camera)), "camera.eye");
+  EXPECT_THAT(std::string(CheckCamera(camera).message()), HasSubstr("found (1e+30, "));
+  camera.eye.x = -1e9f;
+  EXPECT_TRUE(CheckCamera(camera).ok());
+  EXPECT_EQ(ErrorReason(CheckCamera(camera, {.max_coordinate = 1e8f})), "OUT_OF_BOUNDS");
+  camera = good;
+  camera.target.z = -2e9f;
+  EXPECT_EQ(ErrorFieldPath(CheckCamera(camera)), "camera.target");
+  EXPECT_EQ(ErrorReason(CheckCamera(camera)), "OUT_OF_BOUNDS");
   camera = good;
   camera.up = Vec3(0);
   EXPECT_THAT(std::string(CheckCamera(camera).message()), HasSubstr("camera.up"));

@@ -1,5 +1,6 @@
 #include "render/engine/local_engine.h"
 
+#include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "render/scene/field_error.h"
@@ -93,6 +94,29 @@ TEST_F(LocalEngineTest, SubscribeRefusesBadParametersAndTooManyArtifacts) {
               absl::StatusCode::kResourceExhausted, "QUOTA_ARTIFACTS", "at most 2");
   second.reset();
   EXPECT_TRUE(engine_.Subscribe("a", LampOnFloor(3), ignore).ok());
+}
+
+TEST(SceneMemoryTest, IsOneForTheArtifactsOfOneScene) {
+  const FunctionTechnique technique([](const Scene& scene, const ArtifactSpec&,
+                                       const ComputeContext& context) -> absl::StatusOr<Artifact> {
+    Artifact artifact = LabelledArtifact(scene, 0, true);
+    artifact.header.parameters["memory"] =
+        absl::StrCat(absl::Hex(reinterpret_cast<uintptr_t>(context.memory->of_scene.get())));
+    return artifact;
+  });
+  LocalEngine engine(OptionsFor(technique));
+  const auto memory_of = [&](const std::string& scene_id, uint64_t seed) {
+    UpdateLog log;
+    const auto subscription = engine.Subscribe(scene_id, LampOnFloor(seed), log.Callback()).value();
+    return log.AwaitCount(1)[0].artifact->header.parameters.at("memory");
+  };
+  for (const char* id : {"a", "b"}) {
+    ASSERT_TRUE(engine.CreateScene(id).ok());
+    ASSERT_TRUE(engine.Commit(id, LampAndFloor()).ok());
+  }
+  EXPECT_NE(memory_of("a", 1), "0");
+  EXPECT_EQ(memory_of("a", 1), memory_of("a", 2));
+  EXPECT_NE(memory_of("a", 1), memory_of("b", 1));
 }
 
 }  // namespace

@@ -78,6 +78,9 @@ TEST_F(ViewOrderTest, AViewThatIsNoneIsRefused) {
   const absl::Status status = engine_.ReportView("s", "me", blind);
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(ErrorFieldPath(status), "camera.fov_y_deg");
+  View far = kFromAbove;
+  far.camera.eye.y = 1e30f;
+  EXPECT_EQ(ErrorReason(engine_.ReportView("s", "me", far)), "OUT_OF_BOUNDS");
   EXPECT_EQ(engine_.ReportView("ghost", "me", kFromAbove).code(), absl::StatusCode::kNotFound);
 }
 

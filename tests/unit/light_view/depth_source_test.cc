@@ -7,6 +7,7 @@
 #include <iostream>
 #include <vector>
 
+#include "render/light_view/depth_raster.h"
 #include "render/light_view/view_fit.h"
 #include "render/scene/field_error.h"
 #include "tests/support/random_scene.h"
@@ -131,13 +132,18 @@ TEST_P(DepthSourceTest, ViewsThatAreTooLargeAreRefusedByName) {
 
 INSTANTIATE_TEST_SUITE_P(Cpu, DepthSourceTest, kCpuSources, SourceName);
 
-TEST(CasterBvhsTest, BuildsAMeshOnceAndNothingForAnotherLight) {
-  CasterBvhs bvhs;
-  const auto scene = RandomScene(3);
-  const auto first = bvhs.Of(*scene);
-  SceneDelta delta;
-  delta.upsert_lights = {{.id = "another", .shape = PointLight{}}};
-  EXPECT_EQ(bvhs.Of(*scene->Apply(delta).value()), first);
+TEST(DepthRasterTest, AStopIsObeyedWithinAMesh) {
+  const auto scene = RandomScene(2);
+  const LightView view = SampledViews(*scene, 2, 1).at(0);
+  const RasterFrame frame{view.frame};
+  std::stop_source stop;
+  stop.request_stop();
+  for (const auto& [id, instance] : scene->instances()) {
+    EXPECT_EQ(PlacedCaster(frame, instance, stop.get_token()).cluster_count(), 0u);
+    DepthRaster raster(view, frame);
+    raster.Draw(PlacedCaster(frame, instance), stop.get_token());
+    EXPECT_EQ(std::move(raster).Finish().depths, NothingSeen(view).depths);
+  }
 }
 
 }  // namespace

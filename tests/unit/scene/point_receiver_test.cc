@@ -46,6 +46,11 @@ TEST(PointReceiver, PicturesThatCannotBeAreNamed) {
   PicturePixels picture = Picture();
   picture.camera.eye.x = kNan;
   EXPECT_EQ(Fault(picture), "picture.camera.eye NON_FINITE");
+  picture.camera.eye.x = 1e30f;
+  EXPECT_EQ(Fault(picture), "picture.camera.eye OUT_OF_BOUNDS");
+  picture = Picture();
+  picture.camera.target.y = 11;
+  EXPECT_EQ(Fault(picture, {.max_coordinate = 10}), "picture.camera.target OUT_OF_BOUNDS");
   picture = Picture();
   picture.width = 0;
   EXPECT_EQ(Fault(picture), "picture.width RANGE");
