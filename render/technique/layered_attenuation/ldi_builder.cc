@@ -1,6 +1,7 @@
 #include "render/technique/layered_attenuation/ldi_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -14,6 +15,17 @@ namespace {
 // What of a band and of as many maps is worked on at a time stays in a core's cache.
 constexpr uint32_t kBandRows = 16;
 
+// Of a nearness, what rounding may do to it before it is compared: at least eight of single
+// precision's steps. Layers more than two apart have different depths.
+constexpr double kRounding = 0x1.0p-20;
+
+// kRounding in pixels' widths.
+float LeastTolerance(const LightView& center, float pixel_width) {
+  const double scale =
+      center.from_infinity ? std::max(std::abs(center.near), std::abs(center.far)) : 1.0;
+  return static_cast<float>(kRounding * scale / pixel_width);
+}
+
 uint32_t BlocksOf(uint32_t rows) { return (rows + kBandRows - 1) / kBandRows; }
 
 }  // namespace
@@ -23,7 +35,8 @@ LdiBuilder::LdiBuilder(const LightView& center, float tolerance, const LdiLimits
     : center_(center),
       pixel_width_(static_cast<float>(
           1.0 / std::min(center.pixels_per_slope().x, center.pixels_per_slope().y))),
-      tolerance_{.pixels = tolerance, .width = pixel_width_},
+      tolerance_{.pixels = std::max(tolerance, LeastTolerance(center, pixel_width_)),
+                 .width = pixel_width_},
       limits_(limits),
       use_(std::move(use)) {
   for (uint32_t row = 0; row < center.height; row += kBandRows) {

@@ -44,7 +44,8 @@ struct LdiUse {
 //         holes
 class LdiBuilder {
  public:
-  // tolerance  how far apart depths of one layer may be, in pixels' widths
+  // tolerance  how far apart depths of one layer may be, in pixels' widths; where that is less than
+  //            rounding to single precision does, as much as that
   // use        not null
   LdiBuilder(const LightView& center, float tolerance, const LdiLimits& limits,
              std::shared_ptr<LdiUse> use = std::make_shared<LdiUse>());
@@ -74,7 +75,8 @@ class LdiBuilder {
   uint32_t sample_count() const { return sample_count_; }
   size_t layer_count() const;
   const LightView& center() const { return center_; }
-  float pixel_width() const { return pixel_width_; }  // on the image plane
+  float pixel_width() const { return pixel_width_; }     // on the image plane
+  float tolerance() const { return tolerance_.pixels; }  // in effect
   const std::vector<LayerBand>& bands() const { return bands_; }
   // Counts are out of sample_count().
   LdiFace Finish() const;

@@ -213,8 +213,14 @@ std::vector<LightSample> LdiPasses::samples_done() const {
   return samples;
 }
 
+float LdiPasses::tolerance() const {
+  float most = tolerance_;
+  for (const Face& face : faces_) most = std::max(most, 2 * face.builder->tolerance());
+  return most;
+}
+
 AttenuationLdi LdiPasses::Finish() const {
-  AttenuationLdi ldi{.light = light_, .faces = {}, .sample_count = done_, .tolerance = tolerance_};
+  AttenuationLdi ldi{.light = light_, .faces = {}, .sample_count = done_, .tolerance = tolerance()};
   for (const Face& face : faces_) ldi.faces.push_back(face.builder->Finish());
   return ldi;
 }

@@ -33,8 +33,8 @@ struct LdiOptions {
   uint32_t samples = 64;      // light samples, 1 to 1,024
   uint64_t seed = 1;          // of the jitter
   uint32_t resolution = 512;  // pixels along the longer side of a face
-  // AttenuationLdi::tolerance, of which the layers themselves get half; in (0, kMaxLdiTolerance].
-  // None: kAutomaticLdiTolerance.
+  // AttenuationLdi::tolerance, of which the layers themselves get half; in (0, kMaxLdiTolerance],
+  // and more in effect where rounding takes more. None: kAutomaticLdiTolerance.
   std::optional<float> tolerance{};
   bool key_views = false;  // the middle's and the rim's depth maps stand for all samples'
   LdiLimits limits{};
@@ -64,7 +64,8 @@ class LdiPasses {
   uint32_t done() const { return done_; }
   // Those done; where faces have samples of their own, as on a sphere, face by face.
   std::vector<LightSample> samples_done() const;
-  float tolerance() const { return tolerance_; }
+  // AttenuationLdi::tolerance, in effect.
+  float tolerance() const;
 
   // Counts samples until `upto` are done. After an error nothing more can be counted.
   //

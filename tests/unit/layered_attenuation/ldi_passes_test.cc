@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "proto/convert/ldi_codec.h"
 #include "render/scene/field_error.h"
 #include "tests/unit/layered_attenuation/ldi_of.h"
 
@@ -96,6 +97,24 @@ TEST_F(LdiPassesTest, TheToleranceIsReported) {
   const auto given = Create({.samples = 4, .resolution = 64, .tolerance = 2.5f});
   ASSERT_TRUE((*given)->Advance(4, {}).ok());
   EXPECT_EQ((*given)->Finish().tolerance, 2.5f);
+}
+
+// Each pixel's depths are different ones, as tiles must have them, however little is asked for.
+TEST(LdiToleranceTest, LayersThatOnlyRoundingTellsApartAreOne) {
+  const AreaLight globe{.id = "globe", .shape = SphereLight{.center = {0, 5, 0}, .radius = 0.5f}};
+  const auto scene = SceneOf({testing::Placed(testing::BallGeometry(12, 8))});
+  for (const float tolerance : {1e-30f, 1e-5f}) {
+    const AttenuationLdi ldi =
+        testing::LdiOf(*scene, globe, {.samples = 32, .resolution = 64, .tolerance = tolerance});
+    EXPECT_GT(ldi.tolerance, tolerance);
+    EXPECT_LT(ldi.tolerance, 0.01f);
+    LdiTileEncoder encoder;
+    LdiTiles tiles(ldi);
+    for (const LdiTilePlace& place : LdiTilesOf(ldi)) {
+      const absl::Status added = tiles.Add(encoder.Encode(ldi, place));
+      ASSERT_TRUE(added.ok()) << added;
+    }
+  }
 }
 
 TEST_F(LdiPassesTest, StopsWhenAsked) {
