@@ -16,10 +16,6 @@
 namespace penumbra {
 namespace {
 
-// Depth maps that layers are looked up in at a time: more have the layers read less often, and take
-// more memory. With 16 it was as quick.
-constexpr size_t kMapsAtOnce = 8;
-
 // Of the longest side of a face: fine enough to tell how large it is, and within what a view holds.
 constexpr double kFinest = 2.0 / kMaxViewSide;
 
@@ -50,7 +46,7 @@ std::vector<Aabb> CasterBoxes(const Scene& scene) {
 // What an LDI of as many pixels takes at least, before anything is known of it.
 size_t BytesOf(const LightView& view) {
   const size_t pixels = size_t{view.width} * view.height;
-  return pixels * (sizeof(uint32_t) + 26 + kMapsAtOnce * (sizeof(float) + 1));
+  return pixels * (sizeof(uint32_t) + 26 + LdiPasses::kPortion * (sizeof(float) + 1));
 }
 
 }  // namespace
@@ -123,12 +119,13 @@ absl::Status LdiPasses::AddFace(const LightFace& face) {
   return absl::OkStatus();
 }
 
-absl::Status LdiPasses::Draw(std::span<const LightView> views, LdiBuilder& builder,
+absl::Status LdiPasses::Draw(const SampleViews& samples, LdiBuilder& builder,
                              const std::stop_token& stop) {
+  const auto portion = [&](size_t i) { return samples.indices[i] / kPortion; };
   std::vector<DepthMap> maps;
-  return source_.Draw(views, stop, [&](size_t i, DepthMap map) {
+  return source_.Draw(samples.views, stop, [&](size_t i, DepthMap map) {
     maps.push_back(std::move(map));
-    if (maps.size() < kMapsAtOnce && i + 1 < views.size()) return absl::OkStatus();
+    if (i + 1 < samples.views.size() && portion(i + 1) == portion(i)) return absl::OkStatus();
     return builder.Insert(std::exchange(maps, {}), arena_, stop);
   });
 }
@@ -136,8 +133,8 @@ absl::Status LdiPasses::Draw(std::span<const LightView> views, LdiBuilder& build
 absl::Status LdiPasses::Synthesize(std::span<const LightView> views, Face& face,
                                    const std::stop_token& stop) {
   const KeyViews keys(face.casters ? *face.casters : *face.builder);
-  for (size_t first = 0; first < views.size(); first += kMapsAtOnce) {
-    std::vector<DepthMap> maps(std::min(kMapsAtOnce, views.size() - first));
+  for (size_t first = 0; first < views.size(); first += kPortion) {
+    std::vector<DepthMap> maps(std::min<size_t>(kPortion, views.size() - first));
     RunIn(arena_, [&] {
       ParallelFor(maps.size(), [&](size_t m) {
         if (!stop.stop_requested()) maps[m] = keys.MapFor(views[first + m]);
@@ -150,14 +147,17 @@ absl::Status LdiPasses::Synthesize(std::span<const LightView> views, Face& face,
   return absl::OkStatus();
 }
 
-std::vector<LightView> LdiPasses::ViewsOf(const Face& face,
+LdiPasses::SampleViews LdiPasses::ViewsOf(const Face& face,
                                           std::span<const LightSample> samples) const {
-  std::vector<LightView> views;
+  SampleViews found;
   const double pitch = 1.0 / face.builder->center().pixels_per_slope().x;
-  for (const LightSample& sample : samples) {
-    if (const auto view = ViewFrom(face.face, sample, boxes_, pitch)) views.push_back(*view);
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const auto view = ViewFrom(face.face, samples[i], boxes_, pitch);
+    if (!view) continue;
+    found.views.push_back(*view);
+    found.indices.push_back(i);
   }
-  return views;
+  return found;
 }
 
 absl::Status LdiPasses::AddSurfaces(DepthSource& source, std::span<const LightView> views,
@@ -169,7 +169,7 @@ absl::Status LdiPasses::AddSurfaces(DepthSource& source, std::span<const LightVi
 
 absl::Status LdiPasses::Start(Face& face, const std::stop_token& stop) {
   const LightView center = face.builder->center();
-  std::vector<LightView> views = ViewsOf(face, KeySamples(light_, face.face));
+  std::vector<LightView> views = ViewsOf(face, KeySamples(light_, face.face)).views;
   views.insert(views.begin(), center);
   for (const SeenSurface& surface : seen_) {
     const auto status = AddSurfaces(*surface.source, views, *face.builder, stop);
@@ -186,14 +186,15 @@ absl::Status LdiPasses::Advance(Face& face, uint32_t upto, const std::stop_token
   }
   const auto samples = std::span(face.samples).subspan(done_, upto - done_);
   // As wide as what is looked up in them, which may lie deeper than all that casts.
-  const auto views = has_casters_ ? ViewsOf(face, samples) : std::vector<LightView>{};
-  for (size_t i = views.size(); i < samples.size(); ++i) face.builder->InsertNothing();
-  if (views.empty()) return absl::OkStatus();
-  return options_.key_views ? Synthesize(views, face, stop) : Draw(views, *face.builder, stop);
+  const SampleViews seen = has_casters_ ? ViewsOf(face, samples) : SampleViews{};
+  for (size_t i = seen.views.size(); i < samples.size(); ++i) face.builder->InsertNothing();
+  if (seen.views.empty()) return absl::OkStatus();
+  return options_.key_views ? Synthesize(seen.views, face, stop) : Draw(seen, *face.builder, stop);
 }
 
 absl::Status LdiPasses::Advance(uint32_t upto, const std::stop_token& stop) {
-  upto = std::min(upto, sample_count_);
+  const uint32_t portions = upto / kPortion + (upto % kPortion > 0);
+  upto = portions > sample_count_ / kPortion ? sample_count_ : portions * kPortion;
   if (upto <= done_) return absl::OkStatus();
   for (Face& face : faces_) {
     if (stop.stop_requested()) return absl::CancelledError("stopped");

@@ -51,6 +51,10 @@ struct SeenSurface {
 
 class LdiPasses {
  public:
+  // Samples whose depth maps layers are looked up in at a time: more have the layers read less
+  // often, and take more memory. With 16 it was as quick.
+  static constexpr uint32_t kPortion = 8;
+
   // All casting instances of `scene` are in the LDI, and `seen`. `source` must draw `scene`; it and
   // `arena` are referred to.
   //
@@ -67,7 +71,9 @@ class LdiPasses {
   // AttenuationLdi::tolerance, in effect.
   float tolerance() const;
 
-  // Counts samples until `upto` are done. After an error nothing more can be counted.
+  // Counts samples, in whole portions, until at least `upto` are done, or all. Whatever the passes
+  // in between, the same number of samples gives the same bits. After an error nothing more can be
+  // counted.
   //
   // Errors  kCancelled: stop requested (asked at least once per sample); those of LdiBuilder and of
   //         the source
@@ -85,13 +91,18 @@ class LdiPasses {
     std::unique_ptr<LdiBuilder> casters;
   };
 
+  // Of some samples, but for those that see nothing.
+  struct SampleViews {
+    std::vector<LightView> views;
+    std::vector<size_t> indices;  // which sample each is of
+  };
+
   LdiPasses(const AreaLight& light, const LdiOptions& options, DepthSource& source,
             tbb::task_arena& arena, std::vector<SeenSurface> seen);
 
   absl::Status AddFace(const LightFace& face);
-  std::vector<LightView> ViewsOf(const Face& face, std::span<const LightSample> samples) const;
-  absl::Status Draw(std::span<const LightView> views, LdiBuilder& builder,
-                    const std::stop_token& stop);
+  SampleViews ViewsOf(const Face& face, std::span<const LightSample> samples) const;
+  absl::Status Draw(const SampleViews& samples, LdiBuilder& builder, const std::stop_token& stop);
   absl::Status Synthesize(std::span<const LightView> views, Face& face,
                           const std::stop_token& stop);
   absl::Status AddSurfaces(DepthSource& source, std::span<const LightView> views,

@@ -178,6 +178,37 @@ TEST_F(LdiPassesTest, EveryPassCountsMoreOfTheSameSamples) {
   EXPECT_LT(off(ldis[1]), off(ldis[0]));
 }
 
+// How many samples a first pass counts depends on the clock; what comes of all must not.
+TEST_F(LdiPassesTest, TheBitsDoNotDependOnWherePassesEnd) {
+  // Some of its samples are below the near sheet and see nothing, so that portions have fewer views.
+  const AreaLight globe{.id = "globe", .shape = SphereLight{.center = {0, 4, 0}, .radius = 1}};
+  const auto beside = SceneOf({Sheet({0.72f, 3.25f, 0}, 0.02f, 0.1f)});
+  for (const auto& [light, scene] : {std::pair{Lamp(), scene_}, std::pair{globe, beside}}) {
+    RasterDepthSource source(*scene, arena_);
+    const auto build = [&](const std::vector<uint32_t>& ends) {
+      LdiOptions options{.samples = 100, .resolution = 64};
+      options.limits.max_kept_bytes = 0;  // late layers are looked up in their own portion alone
+      const auto passes = LdiPasses::Create(*scene, light, options, source, arena_).value();
+      for (const uint32_t end : ends) {
+        const absl::Status status = passes->Advance(end, {});
+        EXPECT_TRUE(status.ok()) << status;
+      }
+      EXPECT_EQ(passes->done(), passes->sample_count());
+      return passes->Finish();
+    };
+    const AttenuationLdi at_once = build({100});
+    for (const auto& ends : {std::vector<uint32_t>{8, 64, 100}, {1, 9, 100}, {13, 98}}) {
+      const AttenuationLdi ldi = build(ends);
+      ASSERT_EQ(ldi.faces.size(), at_once.faces.size());
+      for (size_t f = 0; f < ldi.faces.size(); ++f) {
+        EXPECT_EQ(ldi.faces[f].offsets, at_once.faces[f].offsets) << ends[0];
+        EXPECT_EQ(ldi.faces[f].depths, at_once.faces[f].depths) << ends[0];
+        EXPECT_EQ(ldi.faces[f].counts, at_once.faces[f].counts) << ends[0];
+      }
+    }
+  }
+}
+
 // Layers found by the last samples are looked up in the first ones' maps.
 TEST_F(LdiPassesTest, LateLayersAreCountedAsIfTheyHadBeenKnown) {
   const auto all_at_once = Create({.samples = 64, .resolution = 128});
