@@ -1,6 +1,7 @@
 #include "render/technique/layered_attenuation/ldi_passes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -26,6 +27,9 @@ absl::Status RangeError(std::string_view field, const std::string& found, const 
 
 double LongerSide(const Window& window) { return std::max(window.size().x, window.size().y); }
 
+// What a key view takes to be drawn into, beside its map.
+constexpr size_t kCanvasBytes = sizeof(float) + sizeof(uint32_t);
+
 // The middle of what the face sees.
 Vec3 TargetOf(const LightFace& face) {
   if (face.from_infinity) return Vec3(face.frame.origin);
@@ -43,10 +47,11 @@ std::vector<Aabb> CasterBoxes(const Scene& scene) {
   return boxes;
 }
 
-// What an LDI of as many pixels takes at least, before anything is known of it.
-size_t BytesOf(const LightView& view) {
-  const size_t pixels = size_t{view.width} * view.height;
-  return pixels * (sizeof(uint32_t) + 26 + LdiPasses::kPortion * (sizeof(float) + 1));
+size_t PixelsOf(const LightView& view) { return size_t{view.width} * view.height; }
+
+// With a layer at each pixel.
+size_t BytesOfLayers(const LightView& center) {
+  return PixelsOf(center) * (sizeof(uint32_t) + LayerBand::kBytesPerLayer);
 }
 
 }  // namespace
@@ -94,6 +99,9 @@ absl::StatusOr<std::unique_ptr<LdiPasses>> LdiPasses::Create(
   for (const LightFace& face : FacesOf(light, bounds)) {
     if (const auto status = passes->AddFace(face); !status.ok()) return status;
   }
+  const auto status = CheckLdiBytes(passes->LeastBytes(), options.limits.max_bytes);
+  if (!status.ok()) return status;
+  for (Face& face : passes->faces_) passes->MakeBuilders(face);
   return passes;
 }
 
@@ -103,20 +111,32 @@ absl::Status LdiPasses::AddFace(const LightFace& face) {
   const double pitch = LongerSide(tight->window) / options_.resolution;
   const auto center = CenterView(face, boxes_, pitch);
   if (!center) return absl::OkStatus();
-  const size_t bytes = BytesOf(*center);
-  if (bytes > options_.limits.max_bytes) {
-    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_LDI_BYTES", "resolution",
-                      absl::StrCat("found ", options_.resolution, ", which takes ", bytes,
-                                   " bytes, need at most ", options_.limits.max_bytes));
-  }
-  const auto make_builder = [&] {
-    return std::make_unique<LdiBuilder>(*center, 0.5f * tolerance_, options_.limits, use_);
-  };
-  faces_.push_back({.face = face,
-                    .samples = SampleLight(light_, options_.samples, options_.seed, TargetOf(face)),
-                    .builder = make_builder(),
-                    .casters = options_.key_views && !seen_.empty() ? make_builder() : nullptr});
+  Face added{.face = face,
+             .samples = SampleLight(light_, options_.samples, options_.seed, TargetOf(face)),
+             .keys = {*center}};
+  const auto rim = ViewsOf(added, KeySamples(light_, face));
+  if (!rim.ok()) return rim.status();
+  added.keys.insert(added.keys.end(), rim->views.begin(), rim->views.end());
+  faces_.push_back(std::move(added));
   return absl::OkStatus();
+}
+
+void LdiPasses::MakeBuilders(Face& face) {
+  const auto make = [&] {
+    return std::make_unique<LdiBuilder>(face.center(), 0.5f * tolerance_, options_.limits, use_);
+  };
+  face.builder = make();
+  if (options_.key_views && !seen_.empty()) face.casters = make();
+}
+
+size_t LdiPasses::LeastBytes() const {
+  size_t layers = 0, map_pixels = 0;
+  for (const Face& face : faces_) {
+    layers += BytesOfLayers(face.center());
+    for (const LightView& view : face.keys) map_pixels = std::max(map_pixels, PixelsOf(view));
+  }
+  const size_t per_pixel = LdiBuilder::kBytesPerPixel + (options_.key_views ? kCanvasBytes : 0);
+  return layers + std::min(kPortion, sample_count_) * map_pixels * per_pixel;
 }
 
 absl::Status LdiPasses::Draw(const SampleViews& samples, LdiBuilder& builder,
@@ -134,10 +154,14 @@ absl::Status LdiPasses::Synthesize(std::span<const LightView> views, Face& face,
                                    const std::stop_token& stop) {
   const KeyViews keys(face.casters ? *face.casters : *face.builder);
   for (size_t first = 0; first < views.size(); first += kPortion) {
-    std::vector<DepthMap> maps(std::min<size_t>(kPortion, views.size() - first));
+    const auto some = views.subspan(first, std::min<size_t>(kPortion, views.size() - first));
+    size_t bytes = 0;
+    for (const LightView& view : some) bytes += PixelsOf(view) * kCanvasBytes;
+    const LdiLease canvases(use_, bytes);
+    std::vector<DepthMap> maps(some.size());
     RunIn(arena_, [&] {
       ParallelFor(maps.size(), [&](size_t m) {
-        if (!stop.stop_requested()) maps[m] = keys.MapFor(views[first + m]);
+        if (!stop.stop_requested()) maps[m] = keys.MapFor(some[m]);
       });
     });
     if (stop.stop_requested()) return absl::CancelledError("stopped");
@@ -147,13 +171,21 @@ absl::Status LdiPasses::Synthesize(std::span<const LightView> views, Face& face,
   return absl::OkStatus();
 }
 
-LdiPasses::SampleViews LdiPasses::ViewsOf(const Face& face,
-                                          std::span<const LightSample> samples) const {
+absl::StatusOr<LdiPasses::SampleViews> LdiPasses::ViewsOf(
+    const Face& face, std::span<const LightSample> samples) const {
   SampleViews found;
-  const double pitch = 1.0 / face.builder->center().pixels_per_slope().x;
+  const double pitch = 1.0 / face.center().pixels_per_slope().x;
   for (size_t i = 0; i < samples.size(); ++i) {
     const auto view = ViewFrom(face.face, samples[i], boxes_, pitch);
     if (!view) continue;
+    // Larger pixels than the middle's would be looked up elsewhere.
+    const auto side = static_cast<int64_t>(std::lround(LongerSide(view->window) / pitch));
+    if (side > kMaxViewSide) {
+      return FieldError(
+          absl::StatusCode::kResourceExhausted, "VIEW_SIZE", "resolution",
+          absl::StrCat("found ", options_.resolution, ", at which a light sample sees ", side,
+                       " pixels a side, need at most ", kMaxViewSide));
+    }
     found.views.push_back(*view);
     found.indices.push_back(i);
   }
@@ -168,28 +200,33 @@ absl::Status LdiPasses::AddSurfaces(DepthSource& source, std::span<const LightVi
 }
 
 absl::Status LdiPasses::Start(Face& face, const std::stop_token& stop) {
-  const LightView center = face.builder->center();
-  std::vector<LightView> views = ViewsOf(face, KeySamples(light_, face.face)).views;
-  views.insert(views.begin(), center);
   for (const SeenSurface& surface : seen_) {
-    const auto status = AddSurfaces(*surface.source, views, *face.builder, stop);
+    Aabb box;
+    for (const Aabb& part : CasterBoxes(*surface.scene)) box.Add(part);
+    std::vector<LightView> parts;
+    for (const LightView& view : face.keys) {
+      if (const auto part = PartOf(view, box)) parts.push_back(*part);
+    }
+    const auto status = AddSurfaces(*surface.source, parts, *face.builder, stop);
     if (!status.ok()) return status;
   }
-  if (!options_.key_views) views = {center};
+  const auto views = std::span(face.keys).first(options_.key_views ? face.keys.size() : 1);
   const auto status = AddSurfaces(source_, views, *face.builder, stop);
   return status.ok() && face.casters ? AddSurfaces(source_, views, *face.casters, stop) : status;
 }
 
 absl::Status LdiPasses::Advance(Face& face, uint32_t upto, const std::stop_token& stop) {
+  const auto samples = std::span(face.samples).subspan(done_, upto - done_);
+  // As wide as what is looked up in them, which may lie deeper than all that casts.
+  const auto seen = ViewsOf(face, samples.first(has_casters_ ? samples.size() : 0));
+  if (!seen.ok()) return seen.status();
   if (done_ == 0) {
     if (const auto status = Start(face, stop); !status.ok()) return status;
   }
-  const auto samples = std::span(face.samples).subspan(done_, upto - done_);
-  // As wide as what is looked up in them, which may lie deeper than all that casts.
-  const SampleViews seen = has_casters_ ? ViewsOf(face, samples) : SampleViews{};
-  for (size_t i = seen.views.size(); i < samples.size(); ++i) face.builder->InsertNothing();
-  if (seen.views.empty()) return absl::OkStatus();
-  return options_.key_views ? Synthesize(seen.views, face, stop) : Draw(seen, *face.builder, stop);
+  for (size_t i = seen->views.size(); i < samples.size(); ++i) face.builder->InsertNothing();
+  if (seen->views.empty()) return absl::OkStatus();
+  return options_.key_views ? Synthesize(seen->views, face, stop)
+                            : Draw(*seen, *face.builder, stop);
 }
 
 absl::Status LdiPasses::Advance(uint32_t upto, const std::stop_token& stop) {

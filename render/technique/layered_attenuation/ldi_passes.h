@@ -58,7 +58,9 @@ class LdiPasses {
   // All casting instances of `scene` are in the LDI, and `seen`. `source` must draw `scene`; it and
   // `arena` are referred to.
   //
-  // Errors  those of CheckLdiOptions; kResourceExhausted QUOTA_LDI_BYTES, resolution
+  // Errors  those of CheckLdiOptions; kResourceExhausted QUOTA_LDI_BYTES, "resolution", where the
+  //         least that it can take is too much; VIEW_SIZE, "resolution": more than kMaxViewSide
+  //         pixels along a side of a sample's view
   static absl::StatusOr<std::unique_ptr<LdiPasses>> Create(
       const Scene& scene, const AreaLight& light, const LdiOptions& options, DepthSource& source,
       tbb::task_arena& arena, std::vector<SeenSurface> seen = {});
@@ -75,8 +77,8 @@ class LdiPasses {
   // in between, the same number of samples gives the same bits. After an error nothing more can be
   // counted.
   //
-  // Errors  kCancelled: stop requested (asked at least once per sample); those of LdiBuilder and of
-  //         the source
+  // Errors  kCancelled: stop requested (asked at least once per sample); VIEW_SIZE as above; those
+  //         of LdiBuilder and of the source
   absl::Status Advance(uint32_t upto, const std::stop_token& stop);
 
   // Of the samples done, at least 1.
@@ -84,8 +86,11 @@ class LdiPasses {
 
  private:
   struct Face {
+    const LightView& center() const { return keys.front(); }
+
     LightFace face;
     std::vector<LightSample> samples;
+    std::vector<LightView> keys;  // the middle's, then those of KeySamples
     std::unique_ptr<LdiBuilder> builder;
     // What key views see of what casts, where something else is in the LDI too; otherwise null.
     std::unique_ptr<LdiBuilder> casters;
@@ -101,7 +106,10 @@ class LdiPasses {
             tbb::task_arena& arena, std::vector<SeenSurface> seen);
 
   absl::Status AddFace(const LightFace& face);
-  SampleViews ViewsOf(const Face& face, std::span<const LightSample> samples) const;
+  void MakeBuilders(Face& face);
+  // Of a layer at each pixel and of a portion of maps like the key views'.
+  size_t LeastBytes() const;
+  absl::StatusOr<SampleViews> ViewsOf(const Face& face, std::span<const LightSample> samples) const;
   absl::Status Draw(const SampleViews& samples, LdiBuilder& builder, const std::stop_token& stop);
   absl::Status Synthesize(std::span<const LightView> views, Face& face,
                           const std::stop_token& stop);

@@ -1,6 +1,7 @@
 // Limits, progress and errors of building attenuation LDIs.
 #include "render/technique/layered_attenuation/ldi_passes.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,8 +15,10 @@
 namespace penumbra {
 namespace {
 
+using ::testing::HasSubstr;
 using testing::SceneOf;
 using testing::Sheet;
+using testing::UnitBoxGeometry;
 
 AreaLight Lamp() {
   return {.id = "lamp", .shape = RectangleLight{.corner = {-0.5f, 4, -0.5f}, .two_sided = false}};
@@ -73,21 +76,61 @@ TEST_F(LdiPassesTest, LimitsAreNamed) {
   absl::Status status = Build(options);
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
   EXPECT_EQ(ErrorFieldPath(status), "max_layers");
-  EXPECT_NE(status.message().find("need at most 1"), absl::string_view::npos) << status;
+  EXPECT_THAT(status.message(), HasSubstr("found 2 layers at a pixel, need at most 1"));
 
-  options.limits = {.max_bytes = 128 * 128 * 40};
-  status = Build(options);
-  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
-  EXPECT_EQ(ErrorFieldPath(status), "resolution");
-
-  options.limits = {.max_bytes = 128 * 128 * 80};
-  status = Build(options);
-  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
-  EXPECT_EQ(ErrorFieldPath(status), "max_bytes");
-  EXPECT_NE(status.message().find("need at most 1310720"), absl::string_view::npos) << status;
-
+  // Before anything is drawn, and where what is drawn turns out to be more than the least.
+  options.limits = {.max_bytes = 128 * 128 * 60};
+  const absl::Status at_once = Create(options).status();
+  options.limits = {.max_bytes = 128 * 128 * 120};
+  ASSERT_TRUE(Create(options).ok());
+  for (const absl::Status& refused : {at_once, Build(options)}) {
+    EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted) << refused;
+    EXPECT_EQ(ErrorReason(refused), "QUOTA_LDI_BYTES");
+    EXPECT_EQ(ErrorFieldPath(refused), "resolution");
+    EXPECT_THAT(refused.message(), HasSubstr("found one at which layers and maps take "));
+    EXPECT_THAT(refused.message(), HasSubstr("bytes, need at most "));
+  }
   options.limits.max_kept_bytes = 0;
   EXPECT_TRUE(Build(options).ok()) << "maps are not what it lacks room for";
+}
+
+// All faces count, and key views take more.
+TEST_F(LdiPassesTest, TheLeastBytesAreThoseOfAllFaces) {
+  const AreaLight bulb{.id = "bulb", .shape = PointLight{.position = {0, 0.5f, 0}}};
+  const auto box = SceneOf({testing::Placed(UnitBoxGeometry())});
+  const auto status = [&](const AreaLight& light, const LdiOptions& options) {
+    return LdiPasses::Create(*box, light, options, source_, arena_).status();
+  };
+  LdiOptions options{.samples = 64, .resolution = 128};
+  options.limits.max_bytes = 128 * 128 * (30 * 6 + 5);  // of six faces and one map
+  EXPECT_TRUE(status(bulb, options).ok());
+  options.limits.max_bytes -= 10'000;
+  EXPECT_EQ(ErrorFieldPath(status(bulb, options)), "resolution");
+
+  options.limits.max_bytes = 128 * 128 * 100;
+  EXPECT_TRUE(Create(options).ok());
+  options.key_views = true;
+  EXPECT_EQ(ErrorFieldPath(Create(options).status()), "resolution");
+}
+
+// Whose pixels would have to be larger than those that its map is looked up by.
+TEST_F(LdiPassesTest, ViewsThatWouldBeTooLargeAreRefused) {
+  const auto floor = SceneOf({Sheet({0, 2.5f, 0}, 3, 0.002f)});
+  const AreaLight lamp{.id = "lamp",
+                       .shape = RectangleLight{.corner = {-3, 4, -0.001f},
+                                               .edge_u = {6, 0, 0},
+                                               .edge_v = {0, 0, 0.002f},
+                                               .two_sided = false}};
+  RasterDepthSource source(*floor, arena_);
+  const auto build = [&](uint32_t resolution) {
+    return LdiPasses::Create(*floor, lamp, {.samples = 4, .resolution = resolution}, source, arena_)
+        .status();
+  };
+  EXPECT_TRUE(build(1024).ok()) << build(1024);
+  const absl::Status status = build(8192);
+  EXPECT_EQ(ErrorReason(status), "VIEW_SIZE");
+  EXPECT_EQ(ErrorFieldPath(status), "resolution");
+  EXPECT_THAT(status.message(), HasSubstr("need at most 16384"));
 }
 
 TEST_F(LdiPassesTest, TheToleranceIsReported) {
@@ -145,6 +188,39 @@ class StoppingSource : public DepthSource {
   std::stop_source& stop_;
 };
 
+// A source that notes the most pixels of a view.
+class NotingSource : public DepthSource {
+ public:
+  explicit NotingSource(DepthSource& source) : source_(source) {}
+
+  absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
+                    const Take& take) override {
+    for (const LightView& view : views) most = std::max(most, view.width * view.height);
+    drawn += views.size();
+    return source_.Draw(views, stop, take);
+  }
+
+  uint32_t most = 0;
+  size_t drawn = 0;
+
+ private:
+  DepthSource& source_;
+};
+
+// Of what casts nothing, only where it is: there may be thousands of such surfaces.
+TEST_F(LdiPassesTest, SmallSurfacesAreDrawnIntoSmallViews) {
+  const auto patch = SceneOf({Sheet({-1.5f, 0.5f, -1.5f}, 0.1f, 0.1f)});
+  RasterDepthSource patch_source(*patch, arena_);
+  NotingSource noted(patch_source);
+  const auto passes = LdiPasses::Create(*scene_, Lamp(), {.samples = 4, .resolution = 128}, source_,
+                                        arena_, {{patch, &noted}});
+  ASSERT_TRUE((*passes)->Advance(4, {}).ok());
+  EXPECT_EQ(noted.drawn, 5u);
+  EXPECT_GT(noted.most, 0u);
+  EXPECT_LT(noted.most, 15u * 15u);
+  EXPECT_EQ(Visibility((*passes)->Finish(), {-1.5f, 0.5f, -1.5f}, {0, 1, 0}), 1.0f);
+}
+
 TEST_F(LdiPassesTest, StopsWithinASampleOrTwo) {
   std::stop_source stop;
   StoppingSource source(source_, stop);
@@ -182,7 +258,9 @@ TEST_F(LdiPassesTest, EveryPassCountsMoreOfTheSameSamples) {
 TEST_F(LdiPassesTest, TheBitsDoNotDependOnWherePassesEnd) {
   // Some of its samples are below the near sheet and see nothing, so that portions have fewer views.
   const AreaLight globe{.id = "globe", .shape = SphereLight{.center = {0, 4, 0}, .radius = 1}};
-  const auto beside = SceneOf({Sheet({0.72f, 3.25f, 0}, 0.02f, 0.1f)});
+  const auto beside =
+      SceneOf({Sheet({0.72f, 3.25f, 0}, 0.02f, 0.1f), Sheet({0.7f, 3.2f, 0}, 0.05f, 0.1f),
+               Sheet({0.74f, 3.22f, 0}, 0.04f, 0.02f)});
   for (const auto& [light, scene] : {std::pair{Lamp(), scene_}, std::pair{globe, beside}}) {
     RasterDepthSource source(*scene, arena_);
     const auto build = [&](const std::vector<uint32_t>& ends) {
