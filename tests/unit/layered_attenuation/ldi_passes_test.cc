@@ -181,6 +181,8 @@ class StoppingSource : public DepthSource {
     });
   }
 
+  std::string drawn_by() const override { return source_.drawn_by(); }
+
   size_t taken = 0;
 
  private:
@@ -199,6 +201,8 @@ class NotingSource : public DepthSource {
     drawn += views.size();
     return source_.Draw(views, stop, take);
   }
+
+  std::string drawn_by() const override { return source_.drawn_by(); }
 
   uint32_t most = 0;
   size_t drawn = 0;
