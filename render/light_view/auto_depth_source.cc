@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+
 namespace penumbra {
 
 DepthSource& AutoDepthSource::SourceFor(DepthMethod method) {
@@ -28,6 +30,12 @@ absl::Status AutoDepthSource::Draw(std::span<const LightView> views, const std::
     first = end;
   }
   return absl::OkStatus();
+}
+
+std::string AutoDepthSource::drawn_by() const {
+  if (raster_ && rays_) return absl::StrCat(raster_->drawn_by(), " and ", rays_->drawn_by());
+  if (raster_) return raster_->drawn_by();
+  return rays_ ? rays_->drawn_by() : std::string(NameOf(DepthMethod::kAuto));
 }
 
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "render/light_view/caster_bvh.h"
 #include "render/light_view/depth_method.h"
@@ -29,6 +30,7 @@ class AutoDepthSource : public DepthSource {
 
   absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
                     const Take& take) override;
+  std::string drawn_by() const override;
 
   // kRaster or kRays: how `view` is drawn.
   DepthMethod MethodFor(const LightView& view) const { return CheaperOnCpu(sizes_.WorkOf(view)); }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <stop_token>
+#include <string>
 
 #include "absl/status/status.h"
 #include "render/artifact/depth_map.h"
@@ -34,6 +35,10 @@ class DepthSource {
   //         those of `take`
   virtual absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
                             const Take& take) = 0;
+
+  // By which ways views have been drawn: "raster", "rays", "gl", "raster and rays"; "auto" where
+  // that is not decided before the first.
+  virtual std::string drawn_by() const = 0;
 };
 
 // The map of a view that sees nothing.

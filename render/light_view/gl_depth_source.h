@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/gl/context.h"
+#include "render/light_view/depth_method.h"
 #include "render/light_view/depth_source.h"
 #include "render/light_view/gl/depth_renderer.h"
 #include "render/scene/scene.h"
@@ -25,6 +26,7 @@ class GlDepthSource : public DepthSource {
   //         kUnavailable: the context is lost; kInternal: the driver refuses a shader
   absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
                     const Take& take) override;
+  std::string drawn_by() const override { return std::string(NameOf(DepthMethod::kGl)); }
 
  private:
   gl::Context& context_;

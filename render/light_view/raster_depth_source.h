@@ -4,8 +4,10 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <vector>
 
+#include "render/light_view/depth_method.h"
 #include "render/light_view/depth_source.h"
 #include "render/light_view/placed_caster.h"
 #include "render/scene/scene.h"
@@ -24,6 +26,7 @@ class RasterDepthSource : public DepthSource {
 
   absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
                     const Take& take) override;
+  std::string drawn_by() const override { return std::string(NameOf(DepthMethod::kRaster)); }
 
  private:
   // Places the casters in `frame`, unless they are. Errors  kCancelled

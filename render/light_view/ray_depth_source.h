@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "render/light_view/caster_bvh.h"
+#include "render/light_view/depth_method.h"
 #include "render/light_view/depth_source.h"
 #include "tbb/task_arena.h"
 
@@ -21,6 +23,7 @@ class RayDepthSource : public DepthSource {
   // Errors  besides those of every source: that of the hierarchies
   absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
                     const Take& take) override;
+  std::string drawn_by() const override { return std::string(NameOf(DepthMethod::kRays)); }
 
  private:
   const std::shared_ptr<const CasterBvh> casters_;

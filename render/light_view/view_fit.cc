@@ -36,12 +36,27 @@ void AddDepths(DepthRange& depths, const LightView& view, const Aabb& box) {
   }
 }
 
+// At most so much of a window.
+Window MiddleOf(Window window, DVec2 most) {
+  const DVec2 middle = 0.5 * (window.min + window.max), size = window.size();
+  for (int axis = 0; axis < 2; ++axis) {
+    if (size[axis] <= most[axis]) continue;
+    window.min[axis] = middle[axis] - 0.5 * most[axis];
+    window.max[axis] = middle[axis] + 0.5 * most[axis];
+  }
+  return window;
+}
+
+// How many times as wide and high as the face's window a view may be.
+constexpr double kMostWindows = 3.0;
+
 // What is seen from the frame's middle at slope w and is D metres deep is seen from `eye` at
 //
 //   w + (w·eye.z − eye.xy) / D
 //
 // which is linear in w and in 1/D, so that the corners of what they can be bound it. 1/D ends where
-// the window would become wider by its own width.
+// the window would become wider by its own width; an eye that has come close to all there is may
+// see it wider still.
 Window SeenFrom(DVec3 eye, const Window& window, const DepthRange& depths) {
   const double furthest = 1.0 / depths.far;
   double nearest = depths.near > 0 ? 1.0 / depths.near : kInfinity;
@@ -62,7 +77,7 @@ Window SeenFrom(DVec3 eye, const Window& window, const DepthRange& depths) {
       Add(seen, {.min = slope, .max = slope});
     }
   }
-  return seen;
+  return MiddleOf(seen, kMostWindows * size);
 }
 
 // What of the boxes is in the window, and how far it is.
@@ -118,6 +133,22 @@ std::optional<LightView> CenterView(const LightFace& face, std::span<const Aabb>
                                     double pitch) {
   const LightView view{.frame = face.frame, .from_infinity = face.from_infinity};
   return Fit(view, face.window, boxes, pitch);
+}
+
+std::optional<LightView> PartOf(const LightView& view, const Aabb& box) {
+  if (box.empty() || view.empty()) return std::nullopt;
+  const Window seen = view.from_infinity ? ShearedWindow(view.frame, DVec2(view.eye), box)
+                                         : WindowOf(view.frame, view.eye, 0.0, box, view.window);
+  const DVec2 scale = view.pixels_per_slope(), size(view.width, view.height);
+  const auto pixel = [&](DVec2 at) { return glm::clamp(at, DVec2(0.0), size); };
+  const DVec2 first = pixel(glm::floor((seen.min - view.window.min) * scale) - 1.0);
+  const DVec2 end = pixel(glm::ceil((seen.max - view.window.min) * scale) + 1.0);
+  if (!(first.x < end.x && first.y < end.y)) return std::nullopt;
+  LightView part = view;
+  part.window = {view.window.min + first / scale, view.window.min + end / scale};
+  part.width = static_cast<uint32_t>(end.x - first.x);
+  part.height = static_cast<uint32_t>(end.y - first.y);
+  return part;
 }
 
 }  // namespace penumbra

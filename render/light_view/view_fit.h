@@ -34,4 +34,7 @@ std::optional<LightView> ViewFrom(const LightFace& face, const LightSample& samp
 std::optional<LightView> CenterView(const LightFace& face, std::span<const Aabb> boxes,
                                     double pitch);
 
+// Those of the view's own pixels that `box` may fill, and one more around; nullopt: none.
+std::optional<LightView> PartOf(const LightView& view, const Aabb& box);
+
 }  // namespace penumbra

@@ -175,7 +175,8 @@ std::vector<uint16_t> MaskOfSomeTiles(const SurfacePoints& points) {
 std::vector<Row> DepthImageRows(const Case& c, const std::string& prefix, const std::string& suffix,
                                 const std::vector<uint16_t>& truth) {
   RasterDepthSource source(*c.model.scene, c.arena);
-  const auto images = OrDie(DrawReferenceImages(c.model.light, *c.model.scene, {}, source, c.arena));
+  const auto images =
+      OrDie(DrawReferenceImages(c.model.light, *c.model.scene, {}, source, c.arena));
   const DepthImageTracer plain(images, RayAccelerations::None()), fast(images, {});
   const LightProof proof(c.model.light, *c.model.scene, {}, c.arena);
   std::array<std::vector<double>, 4> times;

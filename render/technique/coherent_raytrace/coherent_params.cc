@@ -68,8 +68,8 @@ std::map<std::string, std::string> EffectiveParameters(const CoherentRaytracePar
       {"prediction_distance", absl::StrFormat("%.9g", prediction_distance)}};
   if (params.radiance) text["output"] = NameOf(params.output);
   if (params.shadow_bias > 0 || !by_images) {
-    text["shadow_bias"] = absl::StrFormat(
-        "%.9g", params.shadow_bias > 0 ? params.shadow_bias : surface_offset);
+    text["shadow_bias"] =
+        absl::StrFormat("%.9g", params.shadow_bias > 0 ? params.shadow_bias : surface_offset);
   }
   if (by_images) {
     text["resolution"] = absl::StrCat(params.resolution);

@@ -42,8 +42,7 @@ absl::StatusOr<std::unique_ptr<ShadowTracer>> MakeTracer(const Scene& scene, con
   ReferenceImageSettings settings{.pixels = params.resolution};
   if (params.gap_bias > 0) settings.gap.metres = params.gap_bias;
   AutoDepthSource source(scene, bvhs, context.arena);
-  auto images =
-      DrawReferenceImages(light, scene, settings, source, context.arena, context.stop);
+  auto images = DrawReferenceImages(light, scene, settings, source, context.arena, context.stop);
   if (!images.ok()) return images.status();
   SelfShadowBias bias;
   if (params.shadow_bias > 0) bias.metres = params.shadow_bias;

@@ -45,8 +45,8 @@ class PointRays {
   ImageTraversal traversal_;
   uint64_t images_ = 0;
   std::vector<ImageOrigin> origins_;
-  std::vector<RayView> views_;   // of the images in their order
-  std::vector<uint32_t> order_;  // in which they are asked
+  std::vector<RayView> views_;       // of the images in their order
+  std::vector<uint32_t> order_;      // in which they are asked
   std::vector<WayInterval> open_;    // what may be blocked for all that is known, in t
   std::vector<WayInterval> hidden_;  // of that, what an image does not show, in t
   std::vector<WayInterval> in_s_;

@@ -19,8 +19,8 @@ namespace penumbra {
 // a silhouette need more. Of 0.4, 0.7 and 1 pixels, 0.7 comes closest to rays against triangles.
 struct SelfShadowBias {
   std::optional<double> metres;  // instead of what follows
-  double pixels = 0.7;     // pixels' widths at the point's depth, times ½ + sin γ / √2
-  double relative = 1e-5;  // to the point's depth
+  double pixels = 0.7;           // pixels' widths at the point's depth, times ½ + sin γ / √2
+  double relative = 1e-5;        // to the point's depth
 };
 
 // A ray is blocked where it goes through a surface of one image, unless another image sees it in

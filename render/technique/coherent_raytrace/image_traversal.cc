@@ -19,8 +19,7 @@ double PixelsInS(const ImageRay& ray, double pixels) {
 }  // namespace
 
 std::optional<double> ImageTraversal::Trace(const DepthPyramid& image, const ImageRay& ray,
-                                            WayInterval s,
-                                            absl::FunctionRef<bool(double s)> stands,
+                                            WayInterval s, absl::FunctionRef<bool(double s)> stands,
                                             std::vector<WayInterval>& hidden) {
   image_ = &image;
   stands_ = &stands;

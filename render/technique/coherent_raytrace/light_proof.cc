@@ -140,8 +140,8 @@ void LightProof::AddEye(const AreaLight& light, const Scene& scene, Vec3 place, 
       const DVec2 scale = view.pixels_per_slope();
       const LightPart& all = (*parts)[0][0];
       const Window around{.min = all.low / scale, .max = all.high / scale};
-      eye.push_back({NearestDepths(view, scene, around, arena, stop), covers_all,
-                     *std::move(parts)});
+      eye.push_back(
+          {NearestDepths(view, scene, around, arena, stop), covers_all, *std::move(parts)});
     }
   }
   eyes_.push_back(std::move(eye));

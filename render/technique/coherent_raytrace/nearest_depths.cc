@@ -173,8 +173,7 @@ class TriangleDrawer {
         beside_(beside) {}
 
   void Draw(const std::array<DVec3, 3>& q) {
-    const double near = beam_.near;
-    const int behind = (q[0].z < near) + (q[1].z < near) + (q[2].z < near);
+    const int behind = (q[0].z < beam_.near) + (q[1].z < beam_.near) + (q[2].z < beam_.near);
     if (view_.from_infinity || behind == 0) {
       const std::array<Corner, 3> corners{Project(q[0]), Project(q[1]), Project(q[2])};
       picture_.Draw(corners);

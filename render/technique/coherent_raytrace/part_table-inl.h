@@ -22,8 +22,8 @@ HWY_BEFORE_NAMESPACE();
 namespace penumbra {
 namespace HWY_NAMESPACE {
 
-// Which parts and cells have a blocker, of one prediction at a time: for any number of samplers that
-// take turns.
+// Which parts and cells have a blocker, of one prediction at a time: for any number of samplers
+// that take turns.
 class PartTable {
  public:
   explicit PartTable(const CellGrid& grid)

@@ -28,8 +28,7 @@ absl::Status Check(const ReferenceImageSettings& settings) {
   const GapBias& gap = settings.gap;
   for (const double bias : {gap.metres.value_or(0), gap.relative.value_or(0), gap.pixels}) {
     if (!(bias >= 0) || std::isinf(bias)) {
-      return Invalid("RANGE", "gap_bias",
-                     absl::StrCat("found ", bias, ", need a number >= 0"));
+      return Invalid("RANGE", "gap_bias", absl::StrCat("found ", bias, ", need a number >= 0"));
     }
   }
   for (size_t i = 0; i < settings.places.size(); ++i) {
@@ -49,10 +48,10 @@ absl::Status CheckBytes(const std::vector<EyeView>& views, const ReferenceImageS
   size_t bytes = 0;
   for (const EyeView& eye : views) bytes += BytesOf(eye.view);
   if (bytes <= settings.max_bytes) return absl::OkStatus();
-  return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_IMAGE_BYTES", "resolution",
-                    absl::StrCat("found ", settings.pixels, ", with which ", views.size(),
-                                 " images take ", bytes, " bytes, need at most ",
-                                 settings.max_bytes));
+  return FieldError(
+      absl::StatusCode::kResourceExhausted, "QUOTA_IMAGE_BYTES", "resolution",
+      absl::StrCat("found ", settings.pixels, ", with which ", views.size(), " images take ", bytes,
+                   " bytes, need at most ", settings.max_bytes));
 }
 
 }  // namespace

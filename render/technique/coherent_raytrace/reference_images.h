@@ -15,7 +15,7 @@
 namespace penumbra {
 
 struct ReferenceImageSettings {
-  uint32_t pixels = 1536;  // along the longer side of an image, 1 … 8192
+  uint32_t pixels = 1536;              // along the longer side of an image, 1 … 8192
   size_t max_bytes = size_t{2} << 30;  // of all images
   GapBias gap;
   // Where they are seen from: positions, or of distant lights unit directions to the light. Empty:

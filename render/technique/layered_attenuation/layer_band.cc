@@ -8,8 +8,6 @@
 namespace penumbra {
 namespace {
 
-constexpr size_t kBytesPerLayer = 5 * sizeof(float) + sizeof(uint16_t) + sizeof(uint32_t);
-
 // What no map has in its window.
 constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
 

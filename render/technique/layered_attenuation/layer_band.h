@@ -18,6 +18,8 @@ struct PixelSurface {
 // One thread at a time changes a band; layers are never taken out.
 class LayerBand {
  public:
+  static constexpr size_t kBytesPerLayer = 5 * sizeof(float) + sizeof(uint16_t) + sizeof(uint32_t);
+
   // Pixels [0, width) × [first_row, first_row + rows).
   LayerBand(uint32_t width, uint32_t first_row, uint32_t rows);
 

@@ -50,7 +50,6 @@ ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec, const Ldi
       {"seed", absl::StrCat(params.seed)},
       {"resolution", absl::StrCat(params.resolution)},
       {"tolerance", absl::StrFormat("%.9g", passes.tolerance())},
-      {"source", std::string(NameOf(params.source))},
       {"key_views", params.key_views ? "true" : "false"},
       {"max_layers", absl::StrCat(params.max_layers)},
   };
@@ -64,14 +63,16 @@ uint32_t FirstPass(const ArtifactSpec& spec, const ComputeContext& context, uint
 }
 
 // All passes: the coarse ones go to the context's progress.
-absl::StatusOr<Artifact> RunPasses(LdiPasses& passes, ArtifactHeader header,
-                                   const ArtifactSpec& spec, const ComputeContext& context) {
+absl::StatusOr<Artifact> RunPasses(LdiPasses& passes, const DepthSource& source,
+                                   ArtifactHeader header, const ArtifactSpec& spec,
+                                   const ComputeContext& context) {
   Stopwatch watch(context.now_ms);
   const uint32_t n = passes.sample_count(), first = FirstPass(spec, context, n);
   double compute_ms = 0;
   for (;; watch.Restart()) {
     const auto status = passes.Advance(NextPassEnd(passes.done(), first, n), context.stop);
     if (!status.ok()) return Within("layered_attenuation.", status);
+    header.parameters["source"] = source.drawn_by();
     header.light_samples = passes.samples_done();
     header.is_final = passes.done() == n;
     header.error_estimate = ErrorEstimate(passes.done(), n > 1);
@@ -119,7 +120,7 @@ absl::StatusOr<Artifact> LayeredAttenuation::Compute(const Scene& scene, const A
   auto passes = LdiPasses::Create(scene, *light, OptionsOf(ParamsOf(spec)), **source, context.arena,
                                   std::move(surfaces));
   if (!passes.ok()) return Within("layered_attenuation.", passes.status());
-  return RunPasses(**passes, HeaderFor(scene, spec, **passes), spec, context);
+  return RunPasses(**passes, **source, HeaderFor(scene, spec, **passes), spec, context);
 }
 
 }  // namespace penumbra

@@ -10,8 +10,9 @@ namespace penumbra {
 //
 // Shapes  a scene → an AttenuationLdi of one to ten faces
 // Errors  Check: NOT_FOUND for the light, INVALID_ARGUMENT for a parameter;
-//         Compute: RESOURCE_EXHAUSTED QUOTA_LDI_LAYERS, QUOTA_LDI_BYTES: more layers or memory than
-//         is allowed; FAILED_PRECONDITION NO_GL for the source gl without a context
+//         Compute: RESOURCE_EXHAUSTED QUOTA_LDI_LAYERS, QUOTA_LDI_BYTES, VIEW_SIZE: more layers,
+//         memory or pixels of a view than is allowed; FAILED_PRECONDITION NO_GL for the source gl
+//         without a context
 // Source  Agrawala et al. 2000, §4
 class LayeredAttenuation final : public Technique {
  public:

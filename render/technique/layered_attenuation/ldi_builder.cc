@@ -1,6 +1,7 @@
 #include "render/technique/layered_attenuation/ldi_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -14,16 +15,35 @@ namespace {
 // What of a band and of as many maps is worked on at a time stays in a core's cache.
 constexpr uint32_t kBandRows = 16;
 
+// Of a nearness, what rounding may do to it before it is compared: at least eight of single
+// precision's steps. Layers more than two apart have different depths.
+constexpr double kRounding = 0x1.0p-20;
+
+// kRounding in pixels' widths.
+float LeastTolerance(const LightView& center, float pixel_width) {
+  const double scale =
+      center.from_infinity ? std::max(std::abs(center.near), std::abs(center.far)) : 1.0;
+  return static_cast<float>(kRounding * scale / pixel_width);
+}
+
 uint32_t BlocksOf(uint32_t rows) { return (rows + kBandRows - 1) / kBandRows; }
 
 }  // namespace
+
+absl::Status CheckLdiBytes(size_t bytes, size_t most) {
+  if (bytes <= most) return absl::OkStatus();
+  return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_LDI_BYTES", "resolution",
+                    absl::StrCat("found one at which layers and maps take ", bytes,
+                                 " bytes, need at most ", most));
+}
 
 LdiBuilder::LdiBuilder(const LightView& center, float tolerance, const LdiLimits& limits,
                        std::shared_ptr<LdiUse> use)
     : center_(center),
       pixel_width_(static_cast<float>(
           1.0 / std::min(center.pixels_per_slope().x, center.pixels_per_slope().y))),
-      tolerance_{.pixels = tolerance, .width = pixel_width_},
+      tolerance_{.pixels = std::max(tolerance, LeastTolerance(center, pixel_width_)),
+                 .width = pixel_width_},
       limits_(limits),
       use_(std::move(use)) {
   for (uint32_t row = 0; row < center.height; row += kBandRows) {
@@ -40,7 +60,8 @@ std::vector<LdiBuilder::Map> LdiBuilder::MapsOf(std::vector<DepthMap> depth_maps
     made[m] = Map{.seen = NearnessMap(std::move(depth_maps[m])),
                   .warp = warp,
                   .explained = std::vector<uint8_t>(pixels + 1),
-                  .unexplained = {}};
+                  .unexplained = {},
+                  .lease = LdiLease(use_, pixels * kBytesPerPixel)};
   });
   std::vector<Map> maps;
   for (auto& map : made) maps.push_back(*std::move(map));
@@ -102,6 +123,13 @@ void LdiBuilder::Discover(std::span<Map> maps, const std::stop_token& stop) {
     const auto block = static_cast<uint32_t>(i % most);
     if (block < blocks_of(map)) map.unexplained[block] = FindUnexplained(map, block);
   });
+  for (Map& map : maps) {
+    size_t bytes = map.explained.size() * kBytesPerPixel;
+    for (const Unexplained& some : map.unexplained) {
+      bytes += some.surfaces.capacity() * sizeof(PixelSurface);
+    }
+    map.lease.Resize(bytes);
+  }
   ParallelFor(bands_.size(), [&](size_t b) {
     const size_t bytes = bands_[b].bytes();
     for (const Map& map : maps) {
@@ -130,12 +158,12 @@ void LdiBuilder::Count(std::span<const size_t> known, std::span<Map> maps,
   });
 }
 
-void LdiBuilder::Keep(std::vector<Map> maps) {
+void LdiBuilder::Keep(std::span<Map> maps) {
   for (Map& map : maps) {
     const size_t bytes = map.seen.nearness.size() * sizeof(float);
     if (kept_bytes_ + bytes > limits_.max_kept_bytes) break;
     kept_bytes_ += bytes;
-    use_->bytes += bytes;
+    map.lease.Resize(bytes);
     map.explained = {};
     map.unexplained = {};
     kept_.push_back(std::move(map));
@@ -145,55 +173,56 @@ void LdiBuilder::Keep(std::vector<Map> maps) {
 absl::Status LdiBuilder::Outcome(const std::stop_token& stop) const {
   if (stop.stop_requested()) return absl::CancelledError("stopped");
   if (too_many_) {
-    return FieldError(
-        absl::StatusCode::kResourceExhausted, "QUOTA_LDI_LAYERS", "max_layers",
-        absl::StrCat("found more layers at a pixel, need at most ", limits_.max_layers));
+    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_LDI_LAYERS", "max_layers",
+                      absl::StrCat("found ", limits_.max_layers + 1,
+                                   " layers at a pixel, need at most ", limits_.max_layers));
   }
-  if (use_->bytes > limits_.max_bytes) {
-    return FieldError(
-        absl::StatusCode::kResourceExhausted, "QUOTA_LDI_BYTES", "max_bytes",
-        absl::StrCat("found more bytes of layers and maps, need at most ", limits_.max_bytes));
-  }
-  return absl::OkStatus();
+  return CheckLdiBytes(use_->bytes, limits_.max_bytes);
+}
+
+template <typename Work>
+absl::Status LdiBuilder::WorkOn(std::vector<DepthMap> depth_maps, tbb::task_arena& arena,
+                                const std::stop_token& stop, const Work& work) {
+  absl::Status status;
+  RunIn(arena, [&] {
+    std::vector<Map> maps = MapsOf(std::move(depth_maps));
+    status = Outcome(stop);
+    if (!status.ok()) return;
+    work(std::span(maps));
+    status = Outcome(stop);  // with the maps, which are no longer in use then
+  });
+  return status;
 }
 
 absl::Status LdiBuilder::AddSurfaces(DepthMap map, tbb::task_arena& arena,
                                      const std::stop_token& stop) {
-  RunIn(arena, [&] {
-    std::vector<DepthMap> one;
-    one.push_back(std::move(map));
-    std::vector<Map> maps = MapsOf(std::move(one));
-    Discover(maps, stop);
-  });
-  return Outcome(stop);
+  std::vector<DepthMap> one;
+  one.push_back(std::move(map));
+  return WorkOn(std::move(one), arena, stop, [&](std::span<Map> maps) { Discover(maps, stop); });
 }
 
 absl::Status LdiBuilder::InsertKnown(std::vector<DepthMap> depth_maps, tbb::task_arena& arena,
                                      const std::stop_token& stop) {
-  RunIn(arena, [&] {
-    std::vector<Map> maps = MapsOf(std::move(depth_maps));
+  return WorkOn(std::move(depth_maps), arena, stop, [&](std::span<Map> maps) {
     sample_count_ += static_cast<uint32_t>(maps.size());
     Count(std::vector<size_t>(bands_.size()), maps, stop);
   });
-  return Outcome(stop);
 }
 
 absl::Status LdiBuilder::Insert(std::vector<DepthMap> depth_maps, tbb::task_arena& arena,
                                 const std::stop_token& stop) {
   if (depth_maps.empty()) return Outcome(stop);
-  RunIn(arena, [&] {
-    std::vector<Map> maps = MapsOf(std::move(depth_maps));
+  return WorkOn(std::move(depth_maps), arena, stop, [&](std::span<Map> maps) {
     sample_count_ += static_cast<uint32_t>(maps.size());
-    if (layer_count() == 0) Discover(std::span(maps).first(1), stop);
+    if (layer_count() == 0) Discover(maps.first(1), stop);
     Count(std::vector<size_t>(bands_.size()), maps, stop);
     std::vector<size_t> known;
     for (const LayerBand& band : bands_) known.push_back(band.size());
     Discover(maps, stop);
     Count(known, kept_, stop);
     Count(known, maps, stop);
-    Keep(std::move(maps));
+    if (Outcome(stop).ok()) Keep(maps);
   });
-  return Outcome(stop);
 }
 
 size_t LdiBuilder::layer_count() const {

@@ -16,23 +16,20 @@
 #include "render/artifact/attenuation_ldi.h"
 #include "render/artifact/depth_map.h"
 #include "render/technique/layered_attenuation/layer_band.h"
+#include "render/technique/layered_attenuation/ldi_use.h"
 #include "render/technique/layered_attenuation/seen_surface.h"
 #include "tbb/task_arena.h"
 
 namespace penumbra {
 
 struct LdiLimits {
-  uint32_t max_layers = 64;            // a pixel
-  size_t max_bytes = size_t{1} << 30;  // of layers and of maps that are kept, of all faces
+  uint32_t max_layers = 64;  // a pixel
+  size_t max_bytes =
+      size_t{1} << 30;  // of layers and of maps, of all faces; not of what draws maps
   // Of these, of the maps of each face: sixteen of 512² pixels. Without any the 99th percentile of
   // the error on the scenes of the accuracy test was up to 0.006 higher, with 64 maps 0.002 lower,
   // at 64 samples as at 256.
   size_t max_kept_bytes = size_t{16} << 20;
-};
-
-// What the builders of an LDI's faces have taken in all.
-struct LdiUse {
-  std::atomic<size_t> bytes{0};
 };
 
 // Each layer is looked up in each map, which counts it once; a map's pixels that no layer explains
@@ -44,7 +41,11 @@ struct LdiUse {
 //         holes
 class LdiBuilder {
  public:
-  // tolerance  how far apart depths of one layer may be, in pixels' widths
+  // Of a map: nearness, and whether it is explained.
+  static constexpr size_t kBytesPerPixel = sizeof(float) + 1;
+
+  // tolerance  how far apart depths of one layer may be, in pixels' widths; where that is less than
+  //            rounding to single precision does, as much as that
   // use        not null
   LdiBuilder(const LightView& center, float tolerance, const LdiLimits& limits,
              std::shared_ptr<LdiUse> use = std::make_shared<LdiUse>());
@@ -60,8 +61,8 @@ class LdiBuilder {
   // Takes maps of views with the frame and the pitch of the middle's. The same maps in the same
   // portions give the same layers, for any number of threads.
   //
-  // Errors  kCancelled; kResourceExhausted, QUOTA_LDI_LAYERS or QUOTA_LDI_BYTES: a limit that is
-  //         named, after which Insert is of no more use
+  // Errors  kCancelled; kResourceExhausted: QUOTA_LDI_LAYERS, "max_layers", or QUOTA_LDI_BYTES,
+  //         "resolution", after which Insert is of no more use
   // Cost    about 4 ns a layer and map, and what is new
   absl::Status Insert(std::vector<DepthMap> maps, tbb::task_arena& arena,
                       const std::stop_token& stop);
@@ -74,7 +75,8 @@ class LdiBuilder {
   uint32_t sample_count() const { return sample_count_; }
   size_t layer_count() const;
   const LightView& center() const { return center_; }
-  float pixel_width() const { return pixel_width_; }  // on the image plane
+  float pixel_width() const { return pixel_width_; }     // on the image plane
+  float tolerance() const { return tolerance_.pixels; }  // in effect
   const std::vector<LayerBand>& bands() const { return bands_; }
   // Counts are out of sample_count().
   LdiFace Finish() const;
@@ -90,6 +92,7 @@ class LdiBuilder {
     ViewWarp warp;
     std::vector<uint8_t> explained;  // one a pixel, and one more
     std::vector<Unexplained> unexplained;
+    LdiLease lease;  // of all this
   };
 
   std::vector<Map> MapsOf(std::vector<DepthMap> depth_maps) const;
@@ -97,7 +100,11 @@ class LdiBuilder {
   void Add(std::span<const Unexplained> unexplained, LayerBand& band);
   void Discover(std::span<Map> maps, const std::stop_token& stop);
   void Count(std::span<const size_t> known, std::span<Map> maps, const std::stop_token& stop);
-  void Keep(std::vector<Map> maps);
+  void Keep(std::span<Map> maps);
+  // Calls `work` with the maps, unless they are too large already.
+  template <typename Work>
+  absl::Status WorkOn(std::vector<DepthMap> depth_maps, tbb::task_arena& arena,
+                      const std::stop_token& stop, const Work& work);
   absl::Status Outcome(const std::stop_token& stop) const;
 
   const LightView center_;

@@ -1,6 +1,7 @@
 #include "render/technique/layered_attenuation/ldi_passes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,10 +17,6 @@
 namespace penumbra {
 namespace {
 
-// Depth maps that layers are looked up in at a time: more have the layers read less often, and take
-// more memory. With 16 it was as quick.
-constexpr size_t kMapsAtOnce = 8;
-
 // Of the longest side of a face: fine enough to tell how large it is, and within what a view holds.
 constexpr double kFinest = 2.0 / kMaxViewSide;
 
@@ -30,6 +27,9 @@ absl::Status RangeError(std::string_view field, const std::string& found, const 
 
 double LongerSide(const Window& window) { return std::max(window.size().x, window.size().y); }
 
+// What a key view takes to be drawn into, beside its map.
+constexpr size_t kCanvasBytes = sizeof(float) + sizeof(uint32_t);
+
 // The middle of what the face sees.
 Vec3 TargetOf(const LightFace& face) {
   if (face.from_infinity) return Vec3(face.frame.origin);
@@ -37,20 +37,11 @@ Vec3 TargetOf(const LightFace& face) {
   return Vec3(face.frame.ToWorld(DVec3(middle, 1.0)));
 }
 
-std::vector<Aabb> CasterBoxes(const Scene& scene) {
-  std::vector<Aabb> boxes;
-  for (const auto& [id, instance] : scene.instances()) {
-    if (instance->casts && instance->mesh->triangle_count() > 0) {
-      boxes.push_back(CasterBounds(*instance));
-    }
-  }
-  return boxes;
-}
+size_t PixelsOf(const LightView& view) { return size_t{view.width} * view.height; }
 
-// What an LDI of as many pixels takes at least, before anything is known of it.
-size_t BytesOf(const LightView& view) {
-  const size_t pixels = size_t{view.width} * view.height;
-  return pixels * (sizeof(uint32_t) + 26 + kMapsAtOnce * (sizeof(float) + 1));
+// With a layer at each pixel.
+size_t BytesOfLayers(const LightView& center) {
+  return PixelsOf(center) * (sizeof(uint32_t) + LayerBand::kBytesPerLayer);
 }
 
 }  // namespace
@@ -87,10 +78,10 @@ absl::StatusOr<std::unique_ptr<LdiPasses>> LdiPasses::Create(
     tbb::task_arena& arena, std::vector<SeenSurface> seen) {
   if (const auto status = CheckLdiOptions(options); !status.ok()) return status;
   std::unique_ptr<LdiPasses> passes(new LdiPasses(light, options, source, arena, std::move(seen)));
-  passes->boxes_ = CasterBoxes(scene);
+  passes->boxes_ = scene.casters().bounds();
   passes->has_casters_ = !passes->boxes_.empty();
   for (const SeenSurface& surface : passes->seen_) {
-    const std::vector<Aabb> more = CasterBoxes(*surface.scene);
+    const std::vector<Aabb>& more = surface.scene->casters().bounds();
     passes->boxes_.insert(passes->boxes_.end(), more.begin(), more.end());
   }
   Aabb bounds;
@@ -98,6 +89,9 @@ absl::StatusOr<std::unique_ptr<LdiPasses>> LdiPasses::Create(
   for (const LightFace& face : FacesOf(light, bounds)) {
     if (const auto status = passes->AddFace(face); !status.ok()) return status;
   }
+  const auto status = CheckLdiBytes(passes->LeastBytes(), options.limits.max_bytes);
+  if (!status.ok()) return status;
+  for (Face& face : passes->faces_) passes->MakeBuilders(face);
   return passes;
 }
 
@@ -107,28 +101,41 @@ absl::Status LdiPasses::AddFace(const LightFace& face) {
   const double pitch = LongerSide(tight->window) / options_.resolution;
   const auto center = CenterView(face, boxes_, pitch);
   if (!center) return absl::OkStatus();
-  const size_t bytes = BytesOf(*center);
-  if (bytes > options_.limits.max_bytes) {
-    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_LDI_BYTES", "resolution",
-                      absl::StrCat("found ", options_.resolution, ", which takes ", bytes,
-                                   " bytes, need at most ", options_.limits.max_bytes));
-  }
-  const auto make_builder = [&] {
-    return std::make_unique<LdiBuilder>(*center, 0.5f * tolerance_, options_.limits, use_);
-  };
-  faces_.push_back({.face = face,
-                    .samples = SampleLight(light_, options_.samples, options_.seed, TargetOf(face)),
-                    .builder = make_builder(),
-                    .casters = options_.key_views && !seen_.empty() ? make_builder() : nullptr});
+  Face added{.face = face,
+             .samples = SampleLight(light_, options_.samples, options_.seed, TargetOf(face)),
+             .keys = {*center}};
+  const auto rim = ViewsOf(added, KeySamples(light_, face));
+  if (!rim.ok()) return rim.status();
+  added.keys.insert(added.keys.end(), rim->views.begin(), rim->views.end());
+  faces_.push_back(std::move(added));
   return absl::OkStatus();
 }
 
-absl::Status LdiPasses::Draw(std::span<const LightView> views, LdiBuilder& builder,
+void LdiPasses::MakeBuilders(Face& face) {
+  const auto make = [&] {
+    return std::make_unique<LdiBuilder>(face.center(), 0.5f * tolerance_, options_.limits, use_);
+  };
+  face.builder = make();
+  if (options_.key_views && !seen_.empty()) face.casters = make();
+}
+
+size_t LdiPasses::LeastBytes() const {
+  size_t layers = 0, map_pixels = 0;
+  for (const Face& face : faces_) {
+    layers += BytesOfLayers(face.center());
+    for (const LightView& view : face.keys) map_pixels = std::max(map_pixels, PixelsOf(view));
+  }
+  const size_t per_pixel = LdiBuilder::kBytesPerPixel + (options_.key_views ? kCanvasBytes : 0);
+  return layers + std::min(kPortion, sample_count_) * map_pixels * per_pixel;
+}
+
+absl::Status LdiPasses::Draw(const SampleViews& samples, LdiBuilder& builder,
                              const std::stop_token& stop) {
+  const auto portion = [&](size_t i) { return samples.indices[i] / kPortion; };
   std::vector<DepthMap> maps;
-  return source_.Draw(views, stop, [&](size_t i, DepthMap map) {
+  return source_.Draw(samples.views, stop, [&](size_t i, DepthMap map) {
     maps.push_back(std::move(map));
-    if (maps.size() < kMapsAtOnce && i + 1 < views.size()) return absl::OkStatus();
+    if (i + 1 < samples.views.size() && portion(i + 1) == portion(i)) return absl::OkStatus();
     return builder.Insert(std::exchange(maps, {}), arena_, stop);
   });
 }
@@ -136,11 +143,15 @@ absl::Status LdiPasses::Draw(std::span<const LightView> views, LdiBuilder& build
 absl::Status LdiPasses::Synthesize(std::span<const LightView> views, Face& face,
                                    const std::stop_token& stop) {
   const KeyViews keys(face.casters ? *face.casters : *face.builder);
-  for (size_t first = 0; first < views.size(); first += kMapsAtOnce) {
-    std::vector<DepthMap> maps(std::min(kMapsAtOnce, views.size() - first));
+  for (size_t first = 0; first < views.size(); first += kPortion) {
+    const auto some = views.subspan(first, std::min<size_t>(kPortion, views.size() - first));
+    size_t bytes = 0;
+    for (const LightView& view : some) bytes += PixelsOf(view) * kCanvasBytes;
+    const LdiLease canvases(use_, bytes);
+    std::vector<DepthMap> maps(some.size());
     RunIn(arena_, [&] {
       ParallelFor(maps.size(), [&](size_t m) {
-        if (!stop.stop_requested()) maps[m] = keys.MapFor(views[first + m]);
+        if (!stop.stop_requested()) maps[m] = keys.MapFor(some[m]);
       });
     });
     if (stop.stop_requested()) return absl::CancelledError("stopped");
@@ -150,14 +161,25 @@ absl::Status LdiPasses::Synthesize(std::span<const LightView> views, Face& face,
   return absl::OkStatus();
 }
 
-std::vector<LightView> LdiPasses::ViewsOf(const Face& face,
-                                          std::span<const LightSample> samples) const {
-  std::vector<LightView> views;
-  const double pitch = 1.0 / face.builder->center().pixels_per_slope().x;
-  for (const LightSample& sample : samples) {
-    if (const auto view = ViewFrom(face.face, sample, boxes_, pitch)) views.push_back(*view);
+absl::StatusOr<LdiPasses::SampleViews> LdiPasses::ViewsOf(
+    const Face& face, std::span<const LightSample> samples) const {
+  SampleViews found;
+  const double pitch = 1.0 / face.center().pixels_per_slope().x;
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const auto view = ViewFrom(face.face, samples[i], boxes_, pitch);
+    if (!view) continue;
+    // Larger pixels than the middle's would be looked up elsewhere.
+    const auto side = static_cast<int64_t>(std::lround(LongerSide(view->window) / pitch));
+    if (side > kMaxViewSide) {
+      return FieldError(
+          absl::StatusCode::kResourceExhausted, "VIEW_SIZE", "resolution",
+          absl::StrCat("found ", options_.resolution, ", at which a light sample sees ", side,
+                       " pixels a side, need at most ", kMaxViewSide));
+    }
+    found.views.push_back(*view);
+    found.indices.push_back(i);
   }
-  return views;
+  return found;
 }
 
 absl::Status LdiPasses::AddSurfaces(DepthSource& source, std::span<const LightView> views,
@@ -168,32 +190,38 @@ absl::Status LdiPasses::AddSurfaces(DepthSource& source, std::span<const LightVi
 }
 
 absl::Status LdiPasses::Start(Face& face, const std::stop_token& stop) {
-  const LightView center = face.builder->center();
-  std::vector<LightView> views = ViewsOf(face, KeySamples(light_, face.face));
-  views.insert(views.begin(), center);
   for (const SeenSurface& surface : seen_) {
-    const auto status = AddSurfaces(*surface.source, views, *face.builder, stop);
+    Aabb box;
+    for (const Aabb& part : surface.scene->casters().bounds()) box.Add(part);
+    std::vector<LightView> parts;
+    for (const LightView& view : face.keys) {
+      if (const auto part = PartOf(view, box)) parts.push_back(*part);
+    }
+    const auto status = AddSurfaces(*surface.source, parts, *face.builder, stop);
     if (!status.ok()) return status;
   }
-  if (!options_.key_views) views = {center};
+  const auto views = std::span(face.keys).first(options_.key_views ? face.keys.size() : 1);
   const auto status = AddSurfaces(source_, views, *face.builder, stop);
   return status.ok() && face.casters ? AddSurfaces(source_, views, *face.casters, stop) : status;
 }
 
 absl::Status LdiPasses::Advance(Face& face, uint32_t upto, const std::stop_token& stop) {
+  const auto samples = std::span(face.samples).subspan(done_, upto - done_);
+  // As wide as what is looked up in them, which may lie deeper than all that casts.
+  const auto seen = ViewsOf(face, samples.first(has_casters_ ? samples.size() : 0));
+  if (!seen.ok()) return seen.status();
   if (done_ == 0) {
     if (const auto status = Start(face, stop); !status.ok()) return status;
   }
-  const auto samples = std::span(face.samples).subspan(done_, upto - done_);
-  // As wide as what is looked up in them, which may lie deeper than all that casts.
-  const auto views = has_casters_ ? ViewsOf(face, samples) : std::vector<LightView>{};
-  for (size_t i = views.size(); i < samples.size(); ++i) face.builder->InsertNothing();
-  if (views.empty()) return absl::OkStatus();
-  return options_.key_views ? Synthesize(views, face, stop) : Draw(views, *face.builder, stop);
+  for (size_t i = seen->views.size(); i < samples.size(); ++i) face.builder->InsertNothing();
+  if (seen->views.empty()) return absl::OkStatus();
+  return options_.key_views ? Synthesize(seen->views, face, stop)
+                            : Draw(*seen, *face.builder, stop);
 }
 
 absl::Status LdiPasses::Advance(uint32_t upto, const std::stop_token& stop) {
-  upto = std::min(upto, sample_count_);
+  const uint32_t portions = upto / kPortion + (upto % kPortion > 0);
+  upto = portions > sample_count_ / kPortion ? sample_count_ : portions * kPortion;
   if (upto <= done_) return absl::OkStatus();
   for (Face& face : faces_) {
     if (stop.stop_requested()) return absl::CancelledError("stopped");
@@ -213,8 +241,14 @@ std::vector<LightSample> LdiPasses::samples_done() const {
   return samples;
 }
 
+float LdiPasses::tolerance() const {
+  float most = tolerance_;
+  for (const Face& face : faces_) most = std::max(most, 2 * face.builder->tolerance());
+  return most;
+}
+
 AttenuationLdi LdiPasses::Finish() const {
-  AttenuationLdi ldi{.light = light_, .faces = {}, .sample_count = done_, .tolerance = tolerance_};
+  AttenuationLdi ldi{.light = light_, .faces = {}, .sample_count = done_, .tolerance = tolerance()};
   for (const Face& face : faces_) ldi.faces.push_back(face.builder->Finish());
   return ldi;
 }

@@ -33,8 +33,8 @@ struct LdiOptions {
   uint32_t samples = 64;      // light samples, 1 to 1,024
   uint64_t seed = 1;          // of the jitter
   uint32_t resolution = 512;  // pixels along the longer side of a face
-  // AttenuationLdi::tolerance, of which the layers themselves get half; in (0, kMaxLdiTolerance].
-  // None: kAutomaticLdiTolerance.
+  // AttenuationLdi::tolerance, of which the layers themselves get half; in (0, kMaxLdiTolerance],
+  // and more in effect where rounding takes more. None: kAutomaticLdiTolerance.
   std::optional<float> tolerance{};
   bool key_views = false;  // the middle's and the rim's depth maps stand for all samples'
   LdiLimits limits{};
@@ -51,10 +51,16 @@ struct SeenSurface {
 
 class LdiPasses {
  public:
+  // Samples whose depth maps layers are looked up in at a time: more have the layers read less
+  // often, and take more memory. With 16 it was as quick.
+  static constexpr uint32_t kPortion = 8;
+
   // All casting instances of `scene` are in the LDI, and `seen`. `source` must draw `scene`; it and
   // `arena` are referred to.
   //
-  // Errors  those of CheckLdiOptions; kResourceExhausted QUOTA_LDI_BYTES, resolution
+  // Errors  those of CheckLdiOptions; kResourceExhausted QUOTA_LDI_BYTES, "resolution", where the
+  //         least that it can take is too much; VIEW_SIZE, "resolution": more than kMaxViewSide
+  //         pixels along a side of a sample's view
   static absl::StatusOr<std::unique_ptr<LdiPasses>> Create(
       const Scene& scene, const AreaLight& light, const LdiOptions& options, DepthSource& source,
       tbb::task_arena& arena, std::vector<SeenSurface> seen = {});
@@ -64,12 +70,15 @@ class LdiPasses {
   uint32_t done() const { return done_; }
   // Those done; where faces have samples of their own, as on a sphere, face by face.
   std::vector<LightSample> samples_done() const;
-  float tolerance() const { return tolerance_; }
+  // AttenuationLdi::tolerance, in effect.
+  float tolerance() const;
 
-  // Counts samples until `upto` are done. After an error nothing more can be counted.
+  // Counts samples, in whole portions, until at least `upto` are done, or all. Whatever the passes
+  // in between, the same number of samples gives the same bits. After an error nothing more can be
+  // counted.
   //
-  // Errors  kCancelled: stop requested (asked at least once per sample); those of LdiBuilder and of
-  //         the source
+  // Errors  kCancelled: stop requested (asked at least once per sample); VIEW_SIZE as above; those
+  //         of LdiBuilder and of the source
   absl::Status Advance(uint32_t upto, const std::stop_token& stop);
 
   // Of the samples done, at least 1.
@@ -77,20 +86,31 @@ class LdiPasses {
 
  private:
   struct Face {
+    const LightView& center() const { return keys.front(); }
+
     LightFace face;
     std::vector<LightSample> samples;
+    std::vector<LightView> keys;  // the middle's, then those of KeySamples
     std::unique_ptr<LdiBuilder> builder;
     // What key views see of what casts, where something else is in the LDI too; otherwise null.
     std::unique_ptr<LdiBuilder> casters;
+  };
+
+  // Of some samples, but for those that see nothing.
+  struct SampleViews {
+    std::vector<LightView> views;
+    std::vector<size_t> indices;  // which sample each is of
   };
 
   LdiPasses(const AreaLight& light, const LdiOptions& options, DepthSource& source,
             tbb::task_arena& arena, std::vector<SeenSurface> seen);
 
   absl::Status AddFace(const LightFace& face);
-  std::vector<LightView> ViewsOf(const Face& face, std::span<const LightSample> samples) const;
-  absl::Status Draw(std::span<const LightView> views, LdiBuilder& builder,
-                    const std::stop_token& stop);
+  void MakeBuilders(Face& face);
+  // Of a layer at each pixel and of a portion of maps like the key views'.
+  size_t LeastBytes() const;
+  absl::StatusOr<SampleViews> ViewsOf(const Face& face, std::span<const LightSample> samples) const;
+  absl::Status Draw(const SampleViews& samples, LdiBuilder& builder, const std::stop_token& stop);
   absl::Status Synthesize(std::span<const LightView> views, Face& face,
                           const std::stop_token& stop);
   absl::Status AddSurfaces(DepthSource& source, std::span<const LightView> views,

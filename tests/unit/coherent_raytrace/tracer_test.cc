@@ -157,6 +157,23 @@ TEST(TriangleTracerTest, BlockersLieOnTriangles) {
   }
 }
 
+// Each acceleration by itself, all of them, and none with the images from the last to the first.
+std::vector<DepthImageTracer> OtherWays(const std::vector<DepthPyramid>& images) {
+  const RayAccelerations none = RayAccelerations::None();
+  std::vector<DepthImageTracer> ways;
+  for (bool RayAccelerations::*const one :
+       {&RayAccelerations::connectedness, &RayAccelerations::min_max_clipping,
+        &RayAccelerations::ranking, &RayAccelerations::clear_miss,
+        &RayAccelerations::occlusion_intervals}) {
+    RayAccelerations some = none;
+    some.*one = true;
+    ways.emplace_back(images, some);
+  }
+  ways.emplace_back(images, RayAccelerations{});
+  ways.emplace_back(std::vector(images.rbegin(), images.rend()), none);
+  return ways;
+}
+
 TEST(DepthImageTracerTest, NeitherSwitchesNorTheOrderOfImagesChangeWhatIsBlocked) {
   CasterBvhs bvhs;
   tbb::task_arena arena(2);
@@ -170,19 +187,8 @@ TEST(DepthImageTracerTest, NeitherSwitchesNorTheOrderOfImagesChangeWhatIsBlocked
     ASSERT_TRUE(images.ok()) << images.status();
     const LightSquare square(light);
     const TriangleTracer triangles(bvhs.Flat(*scene), SurfaceOffset(scene->Bounds()));
-    const RayAccelerations none = RayAccelerations::None();
-    const DepthImageTracer plain(*images, none);
-    std::vector<DepthImageTracer> others;
-    for (bool RayAccelerations::* const one :
-         {&RayAccelerations::connectedness, &RayAccelerations::min_max_clipping,
-          &RayAccelerations::ranking, &RayAccelerations::clear_miss,
-          &RayAccelerations::occlusion_intervals}) {
-      RayAccelerations some = none;
-      some.*one = true;
-      others.emplace_back(*images, some);
-    }
-    others.emplace_back(*images, RayAccelerations{});
-    others.emplace_back(std::vector(images->rbegin(), images->rend()), none);
+    const DepthImageTracer plain(*images, RayAccelerations::None());
+    const std::vector<DepthImageTracer> others = OtherWays(*images);
     for (int i = 0; i < 40; ++i) {
       const Batch batch = RandomBatch(dice, square, 8);
       const auto truth = batch.Trace(triangles, false), slow = batch.Trace(plain, true);
@@ -248,8 +254,7 @@ TEST(DepthImageTracerTest, NamesTheFieldThatIsWrong) {
   };
   EXPECT_EQ(message({.pixels = 0}), "resolution: found 0, need 1 to 8192");
   EXPECT_EQ(message({.gap = {.metres = NAN}}), "gap_bias: found nan, need a number >= 0");
-  EXPECT_EQ(message({.places = {Vec3(0), Vec3(0, NAN, 0)}}),
-            "places[1]: need finite numbers");
+  EXPECT_EQ(message({.places = {Vec3(0), Vec3(0, NAN, 0)}}), "places[1]: need finite numbers");
 }
 
 TEST(DepthImageTracerTest, ImagesHaveALimit) {
@@ -257,8 +262,8 @@ TEST(DepthImageTracerTest, ImagesHaveALimit) {
   const auto scene = testing::RandomScene(0);
   RasterDepthSource source(*scene, arena);
   const AreaLight& light = *scene->FindLight("light");
-  const auto images = DrawReferenceImages(light, *scene, {.pixels = 8192, .max_bytes = 1'000'000},
-                                          source, arena);
+  const auto images =
+      DrawReferenceImages(light, *scene, {.pixels = 8192, .max_bytes = 1'000'000}, source, arena);
   EXPECT_EQ(images.status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(ErrorFieldPath(images.status()), "resolution");
   EXPECT_THAT(std::string(images.status().message()),

@@ -117,6 +117,22 @@ TEST(LayeredAttenuationTest, PassesCountMoreOfTheSameSamples) {
   EXPECT_EQ(FloorShadow(*Compute(delta, {.samples = 64}).last), FloorShadow(*computed.last));
 }
 
+TEST(LayeredAttenuationTest, TheHeaderSaysWhatDrewTheMaps) {
+  SceneDelta delta = BoxUnderLamp();
+  const auto drawn_by = [&](DepthMethod source, uint32_t resolution = 64) {
+    const Computed computed =
+        Compute(delta, {.samples = 4, .resolution = resolution, .source = source});
+    return computed.last->header.parameters.at("source");
+  };
+  EXPECT_EQ(drawn_by(DepthMethod::kRaster), "raster");
+  EXPECT_EQ(drawn_by(DepthMethod::kRays), "rays");
+  EXPECT_EQ(drawn_by(DepthMethod::kAuto), "raster");
+  delta.upsert_instances[0].mesh = MeshOf(BallGeometry(256, 128));
+  EXPECT_EQ(drawn_by(DepthMethod::kAuto, 8), "rays");
+  delta.upsert_instances.clear();
+  EXPECT_EQ(drawn_by(DepthMethod::kAuto), "auto") << "there is nothing to draw";
+}
+
 TEST(LayeredAttenuationTest, LimitsAndParametersAreNamed) {
   SceneDelta delta = BoxUnderLamp();
   delta.upsert_instances.push_back(Ground(true));

@@ -1,102 +1,19 @@
-// Limits, progress and errors of building attenuation LDIs.
+// How attenuation LDIs are built, pass by pass.
 #include "render/technique/layered_attenuation/ldi_passes.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
-#include <string>
 
-#include "render/scene/field_error.h"
-#include "tests/unit/layered_attenuation/ldi_of.h"
+#include "tests/unit/layered_attenuation/ldi_sheets.h"
 
 namespace penumbra {
 namespace {
 
+using testing::Lamp;
 using testing::SceneOf;
 using testing::Sheet;
-
-AreaLight Lamp() {
-  return {.id = "lamp", .shape = RectangleLight{.corner = {-0.5f, 4, -0.5f}, .two_sided = false}};
-}
-
-std::shared_ptr<const Scene> Sheets() {
-  return SceneOf({Sheet({0, 0, 0}, 3, 3), Sheet({0.5f, 1, 0.2f}, 0.7f, 0.9f),
-                  Sheet({-0.2f, 2, 0}, 0.3f, 0.5f)});
-}
-
-class LdiPassesTest : public ::testing::Test {
- protected:
-  absl::StatusOr<std::unique_ptr<LdiPasses>> Create(const LdiOptions& options) {
-    return LdiPasses::Create(*scene_, Lamp(), options, source_, arena_);
-  }
-  // Of all samples.
-  absl::Status Build(const LdiOptions& options) {
-    const auto passes = Create(options);
-    return passes.ok() ? (*passes)->Advance(1024, {}) : passes.status();
-  }
-
-  const std::shared_ptr<const Scene> scene_ = Sheets();
-  tbb::task_arena arena_{2};
-  RasterDepthSource source_{*scene_, arena_};
-};
-
-struct BadOption {
-  LdiOptions options;
-  std::string field, found;
-};
-
-TEST_F(LdiPassesTest, AbsurdOptionsAreRefusedByName) {
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  const float infinity = std::numeric_limits<float>::infinity();
-  for (const auto& [options, field, found] :
-       {BadOption{{.samples = 0}, "samples", "found 0, need 1 to 1024"},
-        BadOption{{.samples = 1025}, "samples", "found 1025"},
-        BadOption{{.resolution = 7}, "resolution", "found 7, need 8 to 8192"},
-        BadOption{{.resolution = 8193}, "resolution", "found 8193"},
-        BadOption{{.tolerance = 0.0f}, "tolerance", "found 0, need more than 0 and at most 16"},
-        BadOption{{.tolerance = -1.0f}, "tolerance", "found -1"},
-        BadOption{{.tolerance = 16.5f}, "tolerance", "found 16.5"},
-        BadOption{{.tolerance = nan}, "tolerance", "found nan"},
-        BadOption{{.tolerance = infinity}, "tolerance", "found inf"}}) {
-    const absl::Status status = Create(options).status();
-    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
-    EXPECT_EQ(ErrorFieldPath(status), field);
-    EXPECT_NE(std::string(status.message()).find(found), std::string::npos) << status;
-  }
-}
-
-TEST_F(LdiPassesTest, LimitsAreNamed) {
-  LdiOptions options{.samples = 64, .resolution = 128};
-  options.limits.max_layers = 1;
-  absl::Status status = Build(options);
-  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
-  EXPECT_EQ(ErrorFieldPath(status), "max_layers");
-  EXPECT_NE(status.message().find("need at most 1"), absl::string_view::npos) << status;
-
-  options.limits = {.max_bytes = 128 * 128 * 40};
-  status = Build(options);
-  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
-  EXPECT_EQ(ErrorFieldPath(status), "resolution");
-
-  options.limits = {.max_bytes = 128 * 128 * 80};
-  status = Build(options);
-  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
-  EXPECT_EQ(ErrorFieldPath(status), "max_bytes");
-  EXPECT_NE(status.message().find("need at most 1310720"), absl::string_view::npos) << status;
-
-  options.limits.max_kept_bytes = 0;
-  EXPECT_TRUE(Build(options).ok()) << "maps are not what it lacks room for";
-}
-
-TEST_F(LdiPassesTest, TheToleranceIsReported) {
-  const auto automatic = Create({.samples = 4, .resolution = 64});
-  ASSERT_TRUE((*automatic)->Advance(4, {}).ok());
-  EXPECT_EQ((*automatic)->Finish().tolerance, kAutomaticLdiTolerance);
-  const auto given = Create({.samples = 4, .resolution = 64, .tolerance = 2.5f});
-  ASSERT_TRUE((*given)->Advance(4, {}).ok());
-  EXPECT_EQ((*given)->Finish().tolerance, 2.5f);
-}
+using LdiPassesTest = testing::LdiPassesTest;
 
 TEST_F(LdiPassesTest, StopsWhenAsked) {
   std::stop_source stop;
@@ -119,12 +36,49 @@ class StoppingSource : public DepthSource {
     });
   }
 
+  std::string drawn_by() const override { return source_.drawn_by(); }
+
   size_t taken = 0;
 
  private:
   DepthSource& source_;
   std::stop_source& stop_;
 };
+
+// A source that notes the most pixels of a view.
+class NotingSource : public DepthSource {
+ public:
+  explicit NotingSource(DepthSource& source) : source_(source) {}
+
+  absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
+                    const Take& take) override {
+    for (const LightView& view : views) most = std::max(most, view.width * view.height);
+    drawn += views.size();
+    return source_.Draw(views, stop, take);
+  }
+
+  std::string drawn_by() const override { return source_.drawn_by(); }
+
+  uint32_t most = 0;
+  size_t drawn = 0;
+
+ private:
+  DepthSource& source_;
+};
+
+// Of what casts nothing, only where it is: there may be thousands of such surfaces.
+TEST_F(LdiPassesTest, SmallSurfacesAreDrawnIntoSmallViews) {
+  const auto patch = SceneOf({Sheet({-1.5f, 0.5f, -1.5f}, 0.1f, 0.1f)});
+  RasterDepthSource patch_source(*patch, arena_);
+  NotingSource noted(patch_source);
+  const auto passes = LdiPasses::Create(*scene_, Lamp(), {.samples = 4, .resolution = 128}, source_,
+                                        arena_, {{patch, &noted}});
+  ASSERT_TRUE((*passes)->Advance(4, {}).ok());
+  EXPECT_EQ(noted.drawn, 5u);
+  EXPECT_GT(noted.most, 0u);
+  EXPECT_LT(noted.most, 15u * 15u);
+  EXPECT_EQ(Visibility((*passes)->Finish(), {-1.5f, 0.5f, -1.5f}, {0, 1, 0}), 1.0f);
+}
 
 TEST_F(LdiPassesTest, StopsWithinASampleOrTwo) {
   std::stop_source stop;
@@ -157,6 +111,39 @@ TEST_F(LdiPassesTest, EveryPassCountsMoreOfTheSameSamples) {
   EXPECT_LT(off(ldis[0]), 0.06);
   EXPECT_LT(off(ldis[1]), 0.02);
   EXPECT_LT(off(ldis[1]), off(ldis[0]));
+}
+
+// How many samples a first pass counts depends on the clock; what comes of all must not.
+TEST_F(LdiPassesTest, TheBitsDoNotDependOnWherePassesEnd) {
+  // Some of its samples are below the near sheet and see nothing: portions have fewer views.
+  const AreaLight globe{.id = "globe", .shape = SphereLight{.center = {0, 4, 0}, .radius = 1}};
+  const auto beside =
+      SceneOf({Sheet({0.72f, 3.25f, 0}, 0.02f, 0.1f), Sheet({0.7f, 3.2f, 0}, 0.05f, 0.1f),
+               Sheet({0.74f, 3.22f, 0}, 0.04f, 0.02f)});
+  for (const auto& [light, scene] : {std::pair{Lamp(), scene_}, std::pair{globe, beside}}) {
+    RasterDepthSource source(*scene, arena_);
+    const auto build = [&](const std::vector<uint32_t>& ends) {
+      LdiOptions options{.samples = 100, .resolution = 64};
+      options.limits.max_kept_bytes = 0;  // late layers are looked up in their own portion alone
+      const auto passes = LdiPasses::Create(*scene, light, options, source, arena_).value();
+      for (const uint32_t end : ends) {
+        const absl::Status status = passes->Advance(end, {});
+        EXPECT_TRUE(status.ok()) << status;
+      }
+      EXPECT_EQ(passes->done(), passes->sample_count());
+      return passes->Finish();
+    };
+    const AttenuationLdi at_once = build({100});
+    for (const auto& ends : {std::vector<uint32_t>{8, 64, 100}, {1, 9, 100}, {13, 98}}) {
+      const AttenuationLdi ldi = build(ends);
+      ASSERT_EQ(ldi.faces.size(), at_once.faces.size());
+      for (size_t f = 0; f < ldi.faces.size(); ++f) {
+        EXPECT_EQ(ldi.faces[f].offsets, at_once.faces[f].offsets) << ends[0];
+        EXPECT_EQ(ldi.faces[f].depths, at_once.faces[f].depths) << ends[0];
+        EXPECT_EQ(ldi.faces[f].counts, at_once.faces[f].counts) << ends[0];
+      }
+    }
+  }
 }
 
 // Layers found by the last samples are looked up in the first ones' maps.

@@ -180,6 +180,55 @@ TEST(LightViewTest, NoViewIsWiderThanThreeWindows) {
   }
 }
 
+// All that the face sees is close to some of the globe's samples, or behind them.
+TEST(LightViewTest, NorIsOneFromCloseBy) {
+  const AreaLight globe{.id = "globe", .shape = SphereLight{.center = {0, 4, 0}, .radius = 1}};
+  const Aabb box{.min = {0.70f, 3.249f, -0.1f}, .max = {0.74f, 3.25f, 0.1f}};
+  int seen = 0;
+  for (const LightFace& face : FacesOf(globe, box)) {
+    for (const LightSample& sample : SampleLight(globe, 100, 1, box.center())) {
+      const auto view = ViewFrom(face, sample, std::array{box}, 0.01);
+      if (!view) continue;
+      EXPECT_LE(view->window.size().x, 3 * face.window.size().x + 0.02);
+      EXPECT_LE(view->window.size().y, 3 * face.window.size().y + 0.02);
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 50);
+}
+
+// Its pixels are the view's own, and no corner of the box is beyond them.
+TEST(LightViewTest, PartsHoldTheBoxAndKeepThePixels) {
+  int smaller = 0;
+  for (uint64_t seed = 0; seed < 120; ++seed) {
+    Dice dice(seed);
+    const AreaLight light = testing::RandomLight(dice, static_cast<int>(seed % 6));
+    Aabb all, box;
+    for (int i = 0; i < 4; ++i) all.Add(dice.InCube(3));
+    for (int i = 0; i < 2; ++i) box.Add(0.3f * dice.InCube(3));
+    for (const LightFace& face : FacesOf(light, all)) {
+      const auto view = CenterView(face, std::array{all}, 0.01);
+      if (!view) continue;
+      const auto part = PartOf(*view, box);
+      for (int i = 0; i < 8; ++i) {
+        const DVec3 p = view->Project(CornerOf(box, i));
+        const bool is_seen = (view->from_infinity || p.z > 0) && p.x > 0 && p.y > 0 &&
+                             p.x < view->width && p.y < view->height;
+        if (!is_seen) continue;
+        ASSERT_TRUE(part) << seed;
+        const DVec3 q = part->Project(CornerOf(box, i));
+        EXPECT_TRUE(q.x > 0 && q.y > 0 && q.x < part->width && q.y < part->height) << seed;
+        const DVec2 apart = DVec2(p) - DVec2(q);
+        EXPECT_NEAR(apart.x, std::round(apart.x), 1e-6) << seed;
+        EXPECT_NEAR(apart.y, std::round(apart.y), 1e-6) << seed;
+      }
+      smaller += !part || part->width < view->width || part->height < view->height;
+    }
+    EXPECT_FALSE(PartOf(LightView{}, box));
+  }
+  EXPECT_GT(smaller, 30);
+}
+
 TEST(LightViewTest, ThereIsNoViewOfNothingAndNoneTooLarge) {
   const AreaLight light{.id = "lamp", .shape = RectangleLight{.corner = {-0.5f, 3, -0.5f}}};
   const Aabb box{.min = {-1, 0, -1}, .max = {1, 1, 1}};
