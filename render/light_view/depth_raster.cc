@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "render/light_view/depth_source.h"
 #include "render/scene/triangle_clusters.h"
 
 namespace penumbra {
@@ -13,9 +14,6 @@ namespace {
 // The part of the far depth nearer than which 1/z is too large to be blended in single precision
 // with that of what is far.
 constexpr double kCarefulFraction = 0x1p-5;
-
-// What is at the near depth, but for rounding, is seen.
-constexpr double kNearMargin = 0x1p-20;
 
 // Pixels around the image within which what single precision places elsewhere may still be seen.
 constexpr double kMarginPixels = 1.0;

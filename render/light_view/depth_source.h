@@ -13,6 +13,10 @@
 
 namespace penumbra {
 
+// The part of a view's near depth that its sources begin before it: what is at the near depth, but
+// for rounding, is seen.
+inline constexpr double kNearMargin = 0x1p-20;
+
 // Draws the casting instances of a scene. Each pixel is that of the ray through its centre; alpha
 // masks cut holes. The same views give the same bits for any number of threads, however they are
 // spread over calls.

@@ -22,9 +22,6 @@ constexpr uint32_t kBlocksDown = 4, kBlocksAcross = 8;
 // The part of the depths between near and far by which rays from infinitely far begin before near.
 constexpr double kLeadIn = 0x1p-10;
 
-// What is at the near depth, but for rounding, is seen.
-constexpr double kNearMargin = 0x1p-20;
-
 // Rays that grow one metre deeper with each unit of their parameter, as packets of Embree's.
 class ViewRays {
  public:

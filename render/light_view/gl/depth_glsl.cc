@@ -1,6 +1,7 @@
 #include "render/light_view/gl/depth_glsl.h"
 
 #include "absl/strings/str_cat.h"
+#include "render/light_view/depth_source.h"
 #include "render/light_view/gl/mesh_store.h"
 #include "render/light_view/gl/triangle_glsl.h"
 
@@ -9,9 +10,6 @@ namespace {
 
 // Further out than this, triangles are not drawn as such: their candidates are all pixels.
 constexpr double kFarPixels = 65536;
-
-// What is at the near depth, but for rounding, is seen.
-constexpr double kNearMargin = 0x1p-20;
 
 constexpr char kInputs[] = R"glsl(
 layout(std430, binding = kPositionsBinding) readonly buffer Positions { float positions[]; };
