@@ -88,7 +88,11 @@ class Stream {
 
 }  // namespace
 
-float SurfaceOffset(const Aabb& bounds) { return 0x1p-14f * glm::length(bounds.extent()); }
+float SurfaceOffset(const Aabb& bounds) {
+  if (bounds.empty()) return 0.0f;
+  const Vec3 furthest = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
+  return 0x1p-19f * std::max({glm::length(bounds.extent()), furthest.x, furthest.y, furthest.z});
+}
 
 void TriangleTracer::Trace(const ShadowRays& rays, std::span<float> blocked_at,
                            TraceCounts& counts) const {

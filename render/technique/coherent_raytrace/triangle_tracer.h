@@ -9,8 +9,9 @@
 
 namespace penumbra {
 
-// How far over a surface rays begin that are to miss it, for positions in `bounds`: 2^-14 of its
-// diagonal, some hundred times what single precision rounds by.
+// How far over a surface rays begin that are to miss it, for positions in `bounds`: 2^-19 of its
+// diagonal or of the largest coordinate, whichever is more. With a 32nd of that rays that graze
+// planes, of two to 180,000 triangles, still missed them; with a 128th some did not.
 float SurfaceOffset(const Aabb& bounds);
 
 // Masks cut holes.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/light_view/raster_depth_source.h"
+#include "render/math/basis.h"
 #include "render/scene/field_error.h"
 #include "render/technique/coherent_raytrace/depth_image_tracer.h"
 #include "render/technique/coherent_raytrace/light_square.h"
@@ -132,6 +133,35 @@ TEST(ShadowTracerTest, FansTogetherAreTracedAsEachAlone) {
   }
   EXPECT_GT(by_triangles, 500u);
   EXPECT_GT(by_images, 500u);
+}
+
+// Planes turned any way, near the origin and far from it, do not hide grazing lights from
+// themselves; a sheet 4 mm over one a kilometre wide still casts a shadow.
+TEST(TriangleTracerTest, RaysLeaveTheirSurfaceAndNothingElse) {
+  CasterBvhs bvhs;
+  testing::Dice dice(8);
+  for (const float size : {10.0f, 1000.0f}) {
+    for (const float away : {0.0f, 10'000.0f}) {
+      const Basis basis = BasisAround(DVec3(dice.Direction()));
+      const Vec3 across(basis.s), up(basis.n), along(basis.t);
+      const Affine place(size * across, size * up, size * along, away * Vec3(1, 0.3f, -1));
+      SceneDelta delta;
+      delta.upsert_instances = {{.id = "plane",
+                                 .mesh = testing::MeshOf(testing::UnitSquareGeometry()),
+                                 .world_from_mesh = place}};
+      const auto scene = Scene::Empty("s")->Apply(delta).value();
+      const TriangleTracer tracer(bvhs.Flat(*scene), SurfaceOffset(scene->Bounds()));
+      for (int i = 0; i < 1000; ++i) {
+        const Vec3 at =
+            TransformPoint(place, Vec3(dice.Between(-0.4f, 0.4f), 0, dice.Between(-0.4f, 0.4f)));
+        Batch batch{.from = {at, up}, .at_infinity = false};
+        const Vec3 target = at + size * (across + 0.01f * up);
+        batch.x = {target.x}, batch.y = {target.y}, batch.z = {target.z};
+        EXPECT_EQ(batch.Trace(tracer, true)[0], kUnblocked) << size << " " << away;
+      }
+      EXPECT_LT(SurfaceOffset(scene->Bounds()), 0.004f + 2e-6f * away) << size << " " << away;
+    }
+  }
 }
 
 TEST(TriangleTracerTest, BlockersLieOnTriangles) {
