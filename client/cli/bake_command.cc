@@ -95,6 +95,11 @@ absl::StatusOr<Json> BakeAll(const BakeCommand& command, const ShadowPlan& plan,
     const double start_ms = NowMs();
     const auto artifact = ComputeShadow(engine, scene_id, spec, name, progress, stop);
     if (!artifact.ok()) return artifact.status();
+    if (const auto* ldi = std::get_if<AttenuationLdi>(&(*artifact)->payload);
+        ldi && ldi->faces.empty()) {
+      progress.Finish(absl::StrCat(name, ": the light sees nothing, no file is written"));
+      continue;
+    }
     const BakeRecord record{.artifact = **artifact,
                             .scene = command.request.scene.string(),
                             .name = name,

@@ -225,5 +225,20 @@ TEST_F(BakeTest, SeveralLightsNameTheirFiles) {
   }
 }
 
+// One shines up from above the scene, the other all around.
+TEST_F(BakeTest, ALightThatSeesNothingDoesNotKeepOthersFromBeingBaked) {
+  const Finished bake =
+      Run({"bake", scene_, "--out", folder_ / "out", "--technique", "layered_attenuation",
+           "--samples", "4", "--set", "resolution=32", "--spot-light", "0 6 0 0 1 0 50 10 20",
+           "--sphere-light", "0 6 0 0.5 5", "--json"});
+  ASSERT_EQ(bake.exit_status, 0) << bake.err;
+  EXPECT_THAT(bake.err, ::testing::HasSubstr("spot-light: the light sees nothing"));
+  const Json said = Json::parse(bake.out, nullptr, false);
+  ASSERT_EQ(said["baked"].size(), 1u) << bake.out;
+  EXPECT_EQ(said["baked"][0]["light"], "sphere-light");
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "sphere-light.exr"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / "spot-light.exr"));
+}
+
 }  // namespace
 }  // namespace penumbra::testing
