@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -40,11 +41,12 @@ Aabb BoundsOf(const std::vector<Instance>& instances) {
   return bounds;
 }
 
-// Three rows of small triangles, the middle one in three.
-MeshGeometry InElevenParts(const Mesh& mesh) {
-  constexpr uint32_t kParts[11][3] = {{0, 1, 4},  {1, 5, 4},  {1, 2, 5}, {2, 6, 5},
-                                      {2, 3, 6},  {4, 5, 7},  {5, 6, 8}, {7, 8, 9},
-                                      {5, 8, 10}, {8, 7, 10}, {7, 5, 10}};
+// Three rows of small triangles, of every second triangle with the middle one in three.
+MeshGeometry InTenParts(const Mesh& mesh) {
+  using Parts = std::vector<std::array<uint32_t, 3>>;
+  const Parts around = {{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 6, 5},
+                        {2, 3, 6}, {4, 5, 7}, {5, 6, 8}, {7, 8, 9}};
+  const Parts middle = {{5, 8, 7}}, middle_in_three = {{5, 8, 10}, {8, 7, 10}, {7, 5, 10}};
   MeshGeometry fine;
   for (size_t t = 0; t < mesh.triangle_count(); ++t) {
     const auto first = static_cast<uint32_t>(fine.positions.size());
@@ -63,8 +65,10 @@ MeshGeometry InElevenParts(const Mesh& mesh) {
       fine.positions.push_back(a + static_cast<float>(i) * u + static_cast<float>(j) * v);
     }
     fine.positions.push_back(a + 2.0f / 3.0f * u + 5.0f / 3.0f * v);
-    for (const auto& part : kParts) {
-      for (const uint32_t k : part) fine.indices.push_back(first + k);
+    for (const Parts* parts : {&around, t % 2 == 0 ? &middle : &middle_in_three}) {
+      for (const auto& part : *parts) {
+        for (const uint32_t k : part) fine.indices.push_back(first + k);
+      }
     }
   }
   return fine;
@@ -132,7 +136,7 @@ std::shared_ptr<const Scene> OnAFloor(std::vector<Instance> instances) {
 
 std::vector<Instance> Subdivided(const std::vector<Instance>& instances) {
   std::vector<Instance> fine = instances;
-  for (Instance& instance : fine) instance.mesh = MeshOf(InElevenParts(*instance.mesh));
+  for (Instance& instance : fine) instance.mesh = MeshOf(InTenParts(*instance.mesh));
   return fine;
 }
 

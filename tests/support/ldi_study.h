@@ -21,7 +21,8 @@ namespace penumbra::testing {
 // down, "light".
 std::shared_ptr<const Scene> OnAFloor(std::vector<Instance> instances);
 
-// Each triangle of the instances' meshes in eleven parts, which together are the triangle.
+// Each triangle of the instances' meshes in nine or eleven parts, which together are the triangle:
+// ten times as many, or one less.
 std::vector<Instance> Subdivided(const std::vector<Instance>& instances);
 
 // What a camera that holds the scene sees: a point a pixel, and its normal, towards the camera.
