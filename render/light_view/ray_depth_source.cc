@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "render/math/parallel_for.h"
 #include "tbb/blocked_range2d.h"
@@ -18,6 +20,9 @@ constexpr uint32_t kPacket = kBlock * kBlock;
 // Blocks, down and across, that a thread traces before it may be given others: 16 × 32 pixels take
 // it 20 to 100 µs.
 constexpr uint32_t kBlocksDown = 4, kBlocksAcross = 8;
+
+// Views that are drawn together; fewer of large ones, whose maps wait for one another.
+constexpr size_t kViewsAtOnce = 8, kPixelsAtOnce = size_t{1} << 24;
 
 // The part of the depths between near and far by which rays from infinitely far begin before near.
 constexpr double kLeadIn = 0x1p-10;
@@ -93,6 +98,20 @@ class ViewRays {
 
 using Blocks = tbb::blocked_range2d<uint32_t>;
 
+uint32_t BlocksOf(uint32_t pixels) { return (pixels + kBlock - 1) / kBlock; }
+
+// How many of the views are drawn at a time.
+size_t PortionOf(std::span<const LightView> views) {
+  size_t pixels = 0, count = 0;
+  for (const LightView& view : views) {
+    pixels += size_t{view.width} * view.height;
+    if (count > 0 && (count == kViewsAtOnce || pixels > kPixelsAtOnce)) break;
+    ++count;
+  }
+  return count;
+}
+
+// Of `blocks` those that the map has.
 void DrawBlocks(RTCScene scene, const ViewRays& view_rays, const Blocks& blocks, DepthMap& map) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -100,8 +119,10 @@ void DrawBlocks(RTCScene scene, const ViewRays& view_rays, const Blocks& blocks,
   alignas(64) RTCRayHit16 packet;
   alignas(64) std::array<int, kPacket> valid;
   view_rays.Prepare(packet.ray);
-  for (uint32_t by = blocks.rows().begin(); by < blocks.rows().end(); ++by) {
-    for (uint32_t bx = blocks.cols().begin(); bx < blocks.cols().end(); ++bx) {
+  const uint32_t down = std::min(blocks.rows().end(), BlocksOf(map.view.height));
+  const uint32_t across = std::min(blocks.cols().end(), BlocksOf(map.view.width));
+  for (uint32_t by = blocks.rows().begin(); by < down; ++by) {
+    for (uint32_t bx = blocks.cols().begin(); bx < across; ++bx) {
       view_rays.Fill(bx, by, packet, valid);
       rtcIntersect16(valid.data(), scene, &context, &packet);
       for (uint32_t k = 0; k < kPacket; ++k) {
@@ -120,23 +141,38 @@ absl::Status RayDepthSource::Draw(std::span<const LightView> views, const std::s
                                   const Take& take) {
   if (!casters_->status().ok()) return casters_->status();
   if (absl::Status status = CheckViews(views); !status.ok()) return status;
-  const auto blocks = [](uint32_t side) { return (side + kBlock - 1) / kBlock; };
-  for (size_t i = 0; i < views.size(); ++i) {
-    const LightView& view = views[i];
-    DepthMap map = NothingSeen(view);
-    if (!view.empty()) {
-      const ViewRays rays(view);
-      const Blocks all(0, blocks(view.height), kBlocksDown, 0, blocks(view.width), kBlocksAcross);
-      RunIn(arena_, [&] {
-        ParallelForRange(all, [&](const Blocks& some) {
-          if (!stop.stop_requested()) DrawBlocks(casters_->embree(), rays, some, map);
-        });
-      });
-    }
+  for (size_t first = 0; first < views.size();) {
+    const auto portion = views.subspan(first, PortionOf(views.subspan(first)));
+    std::vector<DepthMap> maps = DrawTogether(portion, stop);
     if (stop.stop_requested()) return absl::CancelledError("stopped");
-    if (absl::Status status = take(i, std::move(map)); !status.ok()) return status;
+    for (DepthMap& map : maps) {
+      if (absl::Status status = take(first++, std::move(map)); !status.ok()) return status;
+    }
   }
   return absl::OkStatus();
+}
+
+// Block by block of all of them, so that what is seen there is in the caches still.
+std::vector<DepthMap> RayDepthSource::DrawTogether(std::span<const LightView> views,
+                                                   const std::stop_token& stop) {
+  std::vector<DepthMap> maps;
+  std::vector<ViewRays> rays;
+  uint32_t down = 0, across = 0;
+  for (const LightView& view : views) {
+    maps.push_back(NothingSeen(view));
+    rays.emplace_back(view);
+    down = std::max(down, BlocksOf(view.height)), across = std::max(across, BlocksOf(view.width));
+  }
+  RunIn(arena_, [&] {
+    ParallelForRange(Blocks(0, down, kBlocksDown, 0, across, kBlocksAcross),
+                     [&](const Blocks& some) {
+                       for (size_t i = 0; i < views.size() && !stop.stop_requested(); ++i) {
+                         if (views[i].empty()) continue;
+                         DrawBlocks(casters_->embree(), rays[i], some, maps[i]);
+                       }
+                     });
+  });
+  return maps;
 }
 
 }  // namespace penumbra

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "render/light_view/caster_bvh.h"
 #include "render/light_view/depth_method.h"
@@ -26,6 +27,8 @@ class RayDepthSource : public DepthSource {
   std::string drawn_by() const override { return std::string(NameOf(DepthMethod::kRays)); }
 
  private:
+  std::vector<DepthMap> DrawTogether(std::span<const LightView> views, const std::stop_token& stop);
+
   const std::shared_ptr<const CasterBvh> casters_;
   tbb::task_arena& arena_;
 };
