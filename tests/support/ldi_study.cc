@@ -52,17 +52,10 @@ MeshGeometry InTenParts(const Mesh& mesh) {
     const auto first = static_cast<uint32_t>(fine.positions.size());
     const auto corner = [&](int k) { return mesh.positions()[mesh.indices()[3 * t + k]]; };
     const Vec3 a = corner(0), u = (corner(1) - a) / 3.0f, v = (corner(2) - a) / 3.0f;
-    for (const auto& [i, j] : {std::pair{0, 0},
-                               {1, 0},
-                               {2, 0},
-                               {3, 0},
-                               {0, 1},
-                               {1, 1},
-                               {2, 1},
-                               {0, 2},
-                               {1, 2},
-                               {0, 3}}) {
-      fine.positions.push_back(a + static_cast<float>(i) * u + static_cast<float>(j) * v);
+    for (int j = 0; j <= 3; ++j) {
+      for (int i = 0; i <= 3 - j; ++i) {
+        fine.positions.push_back(a + static_cast<float>(i) * u + static_cast<float>(j) * v);
+      }
     }
     fine.positions.push_back(a + 2.0f / 3.0f * u + 5.0f / 3.0f * v);
     for (const Parts* parts : {&around, t % 2 == 0 ? &middle : &middle_in_three}) {
