@@ -144,8 +144,8 @@ absl::Status RayDepthSource::Draw(std::span<const LightView> views, const std::s
   for (size_t first = 0; first < views.size();) {
     const auto portion = views.subspan(first, PortionOf(views.subspan(first)));
     std::vector<DepthMap> maps = DrawTogether(portion, stop);
-    if (stop.stop_requested()) return absl::CancelledError("stopped");
     for (DepthMap& map : maps) {
+      if (stop.stop_requested()) return absl::CancelledError("stopped");
       if (absl::Status status = take(first++, std::move(map)); !status.ok()) return status;
     }
   }
