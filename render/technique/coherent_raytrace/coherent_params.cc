@@ -56,7 +56,7 @@ uint32_t SideOf(const CoherentRaytraceParams& params, const AreaLight& light) {
 }
 
 std::map<std::string, std::string> EffectiveParameters(const CoherentRaytraceParams& params,
-                                                       uint32_t side, float surface_offset,
+                                                       uint32_t side, float shadow_bias,
                                                        float prediction_distance) {
   const bool by_images = params.backend == RayBackend::kDepthImages;
   std::map<std::string, std::string> text = {
@@ -68,8 +68,7 @@ std::map<std::string, std::string> EffectiveParameters(const CoherentRaytracePar
       {"prediction_distance", absl::StrFormat("%.9g", prediction_distance)}};
   if (params.radiance) text["output"] = NameOf(params.output);
   if (params.shadow_bias > 0 || !by_images) {
-    text["shadow_bias"] =
-        absl::StrFormat("%.9g", params.shadow_bias > 0 ? params.shadow_bias : surface_offset);
+    text["shadow_bias"] = absl::StrFormat("%.9g", shadow_bias);
   }
   if (by_images) {
     text["resolution"] = absl::StrCat(params.resolution);

@@ -75,7 +75,7 @@ ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec, const Are
   const uint32_t side = settings.sampling.side;
   header.samples_requested = side * side;
   header.error_estimate = ErrorEstimate(side * side, side > 1);
-  header.parameters = EffectiveParameters(params, side, SurfaceOffset(scene.Bounds()),
+  header.parameters = EffectiveParameters(params, side, BiasOf(params, scene),
                                           PredictionDistance(settings, light, points));
   return header;
 }

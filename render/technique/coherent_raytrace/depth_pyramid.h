@@ -23,14 +23,13 @@ struct GapBias {
 
 class DepthPyramid {
  public:
-  // Nodes and what they join, of all levels.
-  static constexpr double kBytesPerPixel = 9 * 4.0 / 3.0;
-
   // Nearness: `far` of the furthest pixel, 0 if there is nothing in one of them, `near` of the
   // nearest.
   struct Node {
     float far, near;
   };
+  // Nodes, and whether they are joined, of all levels.
+  static constexpr double kBytesPerPixel = (sizeof(Node) + sizeof(uint8_t)) * 4.0 / 3.0;
 
   // covers_all  nothing that casts is beyond the map's edges
   DepthPyramid(const DepthMap& map, const GapBias& gap, bool covers_all);

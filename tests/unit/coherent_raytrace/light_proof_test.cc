@@ -10,6 +10,7 @@
 #include "tests/support/random_scene.h"
 #include "tests/support/shapes.h"
 #include "tests/unit/coherent_raytrace/exact_verdict.h"
+#include "tests/unit/coherent_raytrace/ray_batch.h"
 
 namespace penumbra {
 namespace {
@@ -26,23 +27,19 @@ size_t WrongCells(const LightProof& proof, const ShadowTracer& tracer,
   samples.Add(lit, {kSide, 1}, SampleSeed(7, index));
   proven += samples.count;
   const LightSquare::Seen seen = square.From(point.position);
-  std::vector<float> x(samples.count), y(samples.count), z(samples.count);
-  seen.TargetsAt(samples.count, samples.u.data(), samples.v.data(), x.data(), y.data(), z.data());
-  std::vector<float> blocked_at(samples.count);
   const bool at_infinity = square.is_at_infinity();
-  const RayFan fan{point, samples.count};
-  TraceCounts counts;
-  tracer.Trace({.fans = {&fan, 1},
-                .at_infinity = at_infinity,
-                .wants_blockers = false,
-                .x = x,
-                .y = y,
-                .z = z},
-               blocked_at, counts);
+  testing::Batch batch{.x = std::vector<float>(samples.count),
+                       .y = std::vector<float>(samples.count),
+                       .z = std::vector<float>(samples.count),
+                       .from = point,
+                       .at_infinity = at_infinity};
+  seen.TargetsAt(samples.count, samples.u.data(), samples.v.data(), batch.x.data(), batch.y.data(),
+                 batch.z.data());
+  const std::vector<float> blocked_at = batch.Trace(tracer, false);
   size_t wrong = 0;
   for (size_t i = 0; i < samples.count; ++i) {
     if (blocked_at[i] == kUnblocked) continue;
-    const DVec3 origin(point.position), to(x[i], y[i], z[i]);
+    const DVec3 origin(point.position), to(batch.x[i], batch.y[i], batch.z[i]);
     const DVec3 way = at_infinity ? to : to - origin;
     wrong += !Exact(triangles, origin, way, at_infinity ? 1e9 : 1.0, 1e-6).is_close;
   }

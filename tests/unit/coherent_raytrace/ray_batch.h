@@ -12,24 +12,28 @@
 
 namespace penumbra::testing {
 
+// Where the rays of the fans are blocked.
+inline std::vector<float> TraceFans(const ShadowTracer& tracer, const ShadowRays& rays) {
+  std::vector<float> blocked_at(rays.x.size());
+  TraceCounts counts;
+  tracer.Trace(rays, blocked_at, counts);
+  EXPECT_EQ(counts.rays, rays.x.size());
+  return blocked_at;
+}
+
 struct Batch {
   std::vector<float> x, y, z;
   SurfacePoint from;
   bool at_infinity;
 
   std::vector<float> Trace(const ShadowTracer& tracer, bool wants_blockers) const {
-    std::vector<float> blocked_at(x.size());
-    TraceCounts counts;
     const RayFan fan{from, x.size()};
-    tracer.Trace({.fans = {&fan, 1},
-                  .at_infinity = at_infinity,
-                  .wants_blockers = wants_blockers,
-                  .x = x,
-                  .y = y,
-                  .z = z},
-                 blocked_at, counts);
-    EXPECT_EQ(counts.rays, x.size());
-    return blocked_at;
+    return TraceFans(tracer, {.fans = {&fan, 1},
+                              .at_infinity = at_infinity,
+                              .wants_blockers = wants_blockers,
+                              .x = x,
+                              .y = y,
+                              .z = z});
   }
 };
 

@@ -207,7 +207,7 @@ TEST_F(ShadowFieldTest, ListsInNoOrderAreAsGoodAsOthers) {
       const double off = (double(all.visible[i]) - coherent.visible[i]) / 256;
       sum2 += off * off;
     }
-    EXPECT_LT(std::sqrt(sum2 / list.size()), 0.02) << id;
+    EXPECT_LT(std::sqrt(sum2 / list.size()), 0.002) << id;
     EXPECT_LT(coherent.counts.rays, all.counts.rays / 2) << id;
   }
 }
