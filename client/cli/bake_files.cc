@@ -1,7 +1,6 @@
 #include "client/cli/bake_files.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "client/cli/output_files.h"
@@ -33,24 +32,17 @@ BakePlanes PlanesOf(const RadianceTexture& radiance, const ShadowTexels& texels)
   return planes;
 }
 
-float BrightestChannel(const RadianceTexture& radiance) {
-  float brightest = 0.0f;
-  for (const Vec3 texel : radiance.texels) {
-    brightest = std::max({brightest, texel.x, texel.y, texel.z});
+// What the screen shows, with the background wherever `coverage` has no surface.
+Picture ToPicture(const RadianceTexture& radiance, const CoverageMask* coverage) {
+  Picture picture{.width = static_cast<int>(radiance.width),
+                  .height = static_cast<int>(radiance.height),
+                  .pixels = {}};
+  picture.pixels.reserve(radiance.texels.size());
+  for (size_t k = 0; k < radiance.texels.size(); ++k) {
+    const bool is_covered = coverage == nullptr || coverage->At(k);
+    picture.pixels.emplace_back(radiance.texels[k], is_covered ? 1.0f : 0.0f);
   }
-  return brightest;
-}
-
-std::vector<uint8_t> ToSrgb(const RadianceTexture& radiance, float exposure) {
-  std::vector<uint8_t> pixels;
-  pixels.reserve(radiance.texels.size() * 3);
-  for (const Vec3 texel : radiance.texels) {
-    for (int channel = 0; channel < 3; ++channel) {
-      const float encoded = SrgbFromLinear(exposure * texel[channel]);
-      pixels.push_back(static_cast<uint8_t>(std::lround(255.0f * encoded)));
-    }
-  }
-  return pixels;
+  return picture;
 }
 
 // The fraction of the light that is visible, as a grey picture.
@@ -90,6 +82,29 @@ RadianceTexture PictureOf(const AttenuationLdi& ldi) {
   return picture;
 }
 
+// With the brightest as white: a texture's unshadowed part, or what sees all of the light.
+float ExposureForBrightest(const Picture& picture) {
+  float brightest = 0.0f;
+  for (const Vec4& pixel : picture.pixels) {
+    brightest = std::max({brightest, pixel.x, pixel.y, pixel.z});
+  }
+  return brightest > 0.0f ? 1.0f / brightest : 1.0f;
+}
+
+float ExposureFor(const SoftShadowTexture&, const Picture& picture) {
+  return ExposureForBrightest(picture);
+}
+float ExposureFor(const AttenuationLdi&, const Picture& picture) {
+  return ExposureForBrightest(picture);
+}
+// As a view of the scene is exposed: next to a lamp all else would be black.
+float ExposureFor(const ViewShadow& view, const Picture& picture) {
+  return view.radiance ? SuggestExposure(picture) : ExposureForBrightest(picture);
+}
+
+const CoverageMask* CoverageOf(const ShadowTexels& texels) { return texels.coverage.get(); }
+const CoverageMask* CoverageOf(const AttenuationLdi&) { return nullptr; }
+
 absl::Status WriteNumbers(const std::filesystem::path& path, const ShadowTexels& texels,
                           const RadianceTexture& radiance) {
   const BakePlanes planes = PlanesOf(radiance, texels);
@@ -117,13 +132,14 @@ absl::StatusOr<std::vector<std::string>> WriteBake(const BakeRecord& record,
   const ArtifactPayload& payload = record.artifact.payload;
   const RadianceTexture picture =
       std::visit([](const auto& kind) { return PictureOf(kind); }, payload);
-  const float brightest = BrightestChannel(picture);
-  const float exposure = record.exposure.value_or(brightest > 0.0f ? 1.0f / brightest : 1.0f);
+  const Picture shown =
+      std::visit([&](const auto& kind) { return ToPicture(picture, CoverageOf(kind)); }, payload);
+  const float exposure = record.exposure.value_or(
+      std::visit([&](const auto& kind) { return ExposureFor(kind, shown); }, payload));
   absl::Status status =
       std::visit([&](const auto& kind) { return WriteNumbers(path(0), kind, picture); }, payload);
   if (status.ok()) {
-    status = WritePng(path(1), static_cast<int>(picture.width), static_cast<int>(picture.height),
-                      ToSrgb(picture, exposure));
+    status = WritePng(path(1), shown.width, shown.height, ToSrgb(shown, {.exposure = exposure}));
   }
   if (status.ok()) status = WriteText(path(2), BakeJson(record, exposure));
   if (!status.ok()) return status;

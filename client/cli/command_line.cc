@@ -22,6 +22,7 @@ namespace {
 
 constexpr char kExamples[] =
     "Numbers may be separated by commas or blanks. Lengths are metres, +Y is up.\n"
+    "Exit status 0: done; 1: it failed; 2: the command line by itself makes no sense.\n"
     "Try: penumbra bake table.glb --floor --out shadows";
 
 }  // namespace
@@ -32,12 +33,12 @@ CLI::Option* Grammar::Add(CLI::App* app, const char* name, const std::string& fo
   return app->add_option_function<std::string>(name, read_it, help)->type_name(form);
 }
 
-void Grammar::AddRepeated(CLI::App* app, const char* name, const std::string& form,
-                          const char* help, Read read) {
+CLI::Option* Grammar::AddRepeated(CLI::App* app, const char* name, const std::string& form,
+                                  const char* help, Read read) {
   const auto read_all = [this, read](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) error_.Update(read(text));
   };
-  app->add_option_function<std::vector<std::string>>(name, read_all, help)
+  return app->add_option_function<std::vector<std::string>>(name, read_all, help)
       ->allow_extra_args(false)
       ->type_name(form);
 }
@@ -52,17 +53,23 @@ void Grammar::AddScene(CLI::App* app, std::filesystem::path& scene) {
   app->add_option("SCENE", scene, "A glTF, GLB, OBJ or PLY file")->type_name("FILE")->required();
 }
 
-void Grammar::AddTechnique(CLI::App* app, TechniqueParams& params) {
+void Grammar::AddTechnique(CLI::App* app, TechniqueParams& params, TechniqueParams* also) {
+  const auto set_both = [&params, also](absl::Status (*set)(TechniqueParams&, std::string_view)) {
+    return [&params, also, set](const std::string& text) {
+      const absl::Status status = set(params, text);
+      return status.ok() && also ? set(*also, text) : status;
+    };
+  };
   AddTo(app, "--technique", "NAME", "How shadows are computed (default soft_texture)", params,
         ReadTechnique);
   AddRepeated(app, "--set", "NAME=VALUE",
               "A parameter of the technique, as `techniques` lists them",
-              [&params](const std::string& text) { return SetParameter(params, text); });
+              [&params](const std::string& text) { return SetParameter("--set", params, text); });
   Add(app, "--samples", "N",
       "Samples on each light that has a size (default 64; coherent_raytrace 256)",
-      [&params](const std::string& text) { return SetSamples(params, text); });
+      set_both(&SetSamples));
   Add(app, "--seed", "N", "Of the samples' jitter: the same seed gives the same bits (default 1)",
-      [&params](const std::string& text) { return SetSeed(params, text); });
+      set_both(&SetSeed));
   Add(app, "--method", "NAME",
       "How hard shadows are drawn: auto, coverage, edge_flag, silhouette or gl; all give the same "
       "counts, but gl within rounding of an edge (default auto)",
@@ -103,7 +110,8 @@ void Grammar::AddRequest(CLI::App* app, ShadowRequest& request, const char* size
       app->add_flag("--every-polygon", request.every_polygon,
                     "Every planar surface of the scene receives shadows on a grid by its size");
   AddSurfaces(app, request.min_area_m2, request.texels_per_metre, every);
-  AddTo(app, size_name, "WIDTHxHEIGHT", "Texels of each other receiver (default 256x256)",
+  request.texels_option = size_name;
+  AddTo(app, size_name, kSizeForm, "Texels of each other receiver (default 256x256)",
         request.texels, ReadTexels);
   AddTo(app, "--reflectance", "\"r g b\"", "Of the receivers, 0 to 1 (default 1; in a view 0.8)",
         request.reflectance, ReadReflectance);
@@ -134,10 +142,9 @@ void Grammar::AddPoints(CLI::App* app, PointRequest& points) {
       ->type_name("FILE");
   Add(app, "--camera", "\"eye target [up] [fov_deg]\"",
       "Of coherent_raytrace: where its picture is taken from (default: the file's camera, or all "
-      "in "
-      "sight)",
+      "in sight)",
       [&points](const std::string& text) { return SetCamera(text, points.camera); });
-  AddTo(app, "--picture", "WIDTHxHEIGHT", "Pixels of its picture (default 512x512)", points.picture,
+  AddTo(app, "--picture", kSizeForm, "Pixels of its picture (default 512x512)", points.picture,
         ReadPixels);
   AddTo(app, "--crop", "\"x y width height\"", "The part of the picture that is wanted, in pixels",
         points.crop, ReadRect);
@@ -179,7 +186,8 @@ void Grammar::AddBake() {
       ->type_name("DIR")
       ->required();
   Add(app, "--exposure", "FACTOR",
-      "Radiance that is 1/FACTOR is white in the PNG (default: the largest)",
+      "Radiance that is 1/FACTOR is white in the PNG (default: the largest; of coherent_raytrace "
+      "from the picture)",
       [this](const std::string& text) { return SetExposure(text, bake_.exposure); });
   app->add_flag("--json", bake_.json, "Print what was written as JSON");
 }
@@ -189,7 +197,7 @@ void Grammar::AddView() {
   // As instances are where their file says nothing, so that a patch does not outshine them.
   view_.request.reflectance = Vec3(0.8f);
   AddRequest(app, view_.request, "--texture-size");
-  AddTechnique(app, view_.request.params);
+  AddTechnique(app, view_.request.params, &view_.final_params);
   AddEngine(app, view_.engine);
   AddThreads(app, view_.engine);
   app->add_option("--receivers", view_.max_planar_receivers,
@@ -198,11 +206,19 @@ void Grammar::AddView() {
   Add(app, "--camera", "\"eye target [up] [fov_deg]\"",
       "Where the picture is taken from (default: the file's camera, or all in sight)",
       [this](const std::string& text) { return SetCamera(text, view_.camera); });
-  AddTo(app, "--size", "WIDTHxHEIGHT", "Pixels of the picture (default 960x640)", view_.size,
+  AddTo(app, "--size", kSizeForm, "Pixels of the picture (default 960x640)", view_.size,
         ReadPixels);
   app->add_option("--out", view_.out, "The picture, .png or .exr")->type_name("FILE")->required();
-  app->add_flag("--final", view_.final,
-                "Then trace the final picture's shadows (coherent_raytrace) and show these");
+  CLI::Option* final =
+      app->add_flag("--final", view_.final,
+                    "Then trace the final picture's shadows (coherent_raytrace) and show these, "
+                    "with the --samples and the --seed given");
+  AddRepeated(app, "--final-set", "NAME=VALUE",
+              "A parameter of coherent_raytrace for --final; --set is for the technique before it",
+              [this](const std::string& text) {
+                return SetParameter("--final-set", view_.final_params, text);
+              })
+      ->needs(final);
   Add(app, "--ambient", "\"r g b\"",
       "Radiance that reaches every surface (default: a share of the light there is)",
       [this](const std::string& text) { return SetAmbient(text, view_.ambient); });

@@ -30,7 +30,7 @@ struct PointRequest {
   std::vector<std::string> lightmaps;  // instances, each with its own texels
   std::filesystem::path file;          // of points with normals; empty: none
   std::optional<Camera> camera;        // of a picture; absent: one is chosen if nothing is named
-  GridSize picture{512, 512};          // the whole picture's pixels
+  std::optional<GridSize> picture;     // the whole picture's pixels; absent: 512×512
   PixelRect crop;                      // of it; empty: all
   PixelRect first;                     // where to begin; empty: in the middle
 };
@@ -44,8 +44,9 @@ struct ShadowRequest {
   std::vector<Parallelogram> receivers;
   std::vector<std::string> receiver_instances;
   bool floor = false;
-  GridSize texels;
-  Vec3 reflectance{1.0f};  // of every receiver
+  std::optional<GridSize> texels;        // of each receiver; absent: GridSize's own
+  std::string texels_option = "--size";  // that they are given by
+  Vec3 reflectance{1.0f};                // of every receiver
   // A receiver on each planar surface of the file instead, with a grid by its size.
   bool every_polygon = false;
   double min_area_m2 = 0.0;
@@ -69,7 +70,10 @@ struct ViewCommand {
   std::optional<Camera> camera;  // absent: the file's first one, or one that sees everything
   GridSize size{960, 640};
   std::filesystem::path out;
-  bool final = false;             // with the final picture's shadows in place of the textures'
+  // With the final picture's shadows in place of the textures': radiance in float32, as half floats
+  // go up to 65,504 only, whatever the light's strength.
+  bool final = false;
+  TechniqueParams final_params = CoherentRaytraceParams{.output = RadianceFormat::kFloat32};
   std::optional<Vec3> ambient;    // absent: a share of the light there is
   std::optional<float> exposure;  // absent: found from the picture
   bool culls_back_faces = false;
@@ -120,7 +124,7 @@ struct DemoCommand {
   EngineChoice engine;
   std::filesystem::path scene;
   std::filesystem::path out;
-  GridSize texels;
+  std::optional<GridSize> texels;
   GridSize size{960, 640};
   TechniqueParams params;
 };

@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/draw_scene.h"
 #include "client/cli/open_engine.h"
+#include "client/cli/option_error.h"
 #include "client/cli/output_files.h"
 #include "client/cli/run_command.h"
 #include "client/cli/scene_edit.h"
@@ -27,9 +28,12 @@ ShadowRequest DemoRequest(const DemoCommand& command, const ImportedScene& impor
   ShadowRequest request{.scene = command.scene,
                         .floor = true,
                         .texels = command.texels,
+                        .texels_option = "--texture-size",
                         .reflectance = Vec3(0.8f),
                         .params = command.params};
-  request.receiver_instances = LargestPlanarInstances(imported, kPlanarReceivers);
+  if (InfoOf(command.params).target == SpecTarget::kReceiver) {
+    request.receiver_instances = LargestPlanarInstances(imported, kPlanarReceivers);
+  }
   for (const AreaLight& light : imported.lights) {
     if (request.light_ids.size() < kMaxLights) request.light_ids.push_back(light.id);
   }
@@ -117,7 +121,7 @@ absl::Status Demonstration::Show(const std::string& title, const std::string& pi
   console_.out << absl::StrFormat(
       "%s (revision %d)\n"
       "  commit answered after %.1f ms, first shadows after %.1f ms, all final after %.1f ms\n"
-      "  %d shadow textures in %d updates, %.1f kB; drawn in %.1f ms by %s\n"
+      "  %d shadows in %d updates, %.1f kB; drawn in %.1f ms by %s\n"
       "  %s\n",
       title, (*scene)->revision(), committed_ms - start_ms, received.first_ms - start_ms,
       received.last_ms - start_ms, shadows.size(), received.updates, received.bytes * 1e-3,
@@ -129,6 +133,11 @@ absl::Status Demonstration::Show(const std::string& title, const std::string& pi
 }  // namespace
 
 absl::Status Run(const DemoCommand& command, const Console& console, std::stop_token stop) {
+  if (InfoOf(command.params).target == SpecTarget::kPoints) {
+    return OptionError("--technique", "CONFLICT", {InfoOf(command.params).name},
+                       ", need one whose shadows stay while things move: soft_texture or "
+                       "layered_attenuation");
+  }
   const auto imported = ImportScene(command.scene);
   if (!imported.ok()) return imported.status();
   const auto plan = PlanShadows(*imported, DemoRequest(command, *imported));

@@ -15,6 +15,9 @@
 
 namespace penumbra {
 
+// How a size may be given.
+inline constexpr char kSizeForm[] = "SIDE|WIDTHxHEIGHT";
+
 // The parser, and the first thing that our own readers of values found wrong.
 class Grammar {
  public:
@@ -29,7 +32,8 @@ class Grammar {
   void AddScene(CLI::App* app, std::filesystem::path& scene);
   void AddRequest(CLI::App* app, ShadowRequest& request, const char* size_name);
   void AddLights(CLI::App* app, ShadowRequest& request);
-  void AddTechnique(CLI::App* app, TechniqueParams& params);
+  // Samples and a seed are given to `also` too.
+  void AddTechnique(CLI::App* app, TechniqueParams& params, TechniqueParams* also = nullptr);
   void AddPoints(CLI::App* app, PointRequest& points);
   void AddBake();
   void AddView();
@@ -47,10 +51,10 @@ class Grammar {
   using Read = std::function<absl::Status(const std::string&)>;
   CLI::Option* Add(CLI::App* app, const char* name, const std::string& form, const char* help,
                    Read read);
-  void AddRepeated(CLI::App* app, const char* name, const std::string& form, const char* help,
-                   Read read);
-  template <typename T>
-  void AddTo(CLI::App* app, const char* name, const char* form, const char* help, T& target,
+  CLI::Option* AddRepeated(CLI::App* app, const char* name, const std::string& form,
+                           const char* help, Read read);
+  template <typename Target, typename T>
+  void AddTo(CLI::App* app, const char* name, const char* form, const char* help, Target& target,
              absl::StatusOr<T> (*read)(std::string_view option, std::string_view text)) {
     Add(app, name, form, help, [&target, name, read](const std::string& text) {
       auto value = read(name, text);

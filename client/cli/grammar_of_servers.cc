@@ -32,7 +32,7 @@ void Grammar::AddPushAndWatch() {
   Add(watch, "--camera", "\"eye target [up] [fov_deg]\"",
       "What is looked at: receivers that fill more of the picture come first",
       [this](const std::string& text) { return SetCamera(text, watch_.camera); });
-  AddTo(watch, "--picture", "WIDTHxHEIGHT",
+  AddTo(watch, "--picture", kSizeForm,
         "Pixels of the picture that coherent_raytrace computes for the camera (default 512x512)",
         watch_.picture, ReadPixels);
   Add(watch, "--updates", "N", "Stop after N updates",
@@ -60,9 +60,9 @@ void Grammar::AddDemo() {
   AddEngine(app, demo_.engine, true);
   AddTechnique(app, demo_.params);
   app->add_option("--out", demo_.out, "Folder for the pictures")->type_name("DIR")->required();
-  AddTo(app, "--texture-size", "WIDTHxHEIGHT", "Texels of each receiver (default 256x256)",
-        demo_.texels, ReadTexels);
-  AddTo(app, "--size", "WIDTHxHEIGHT", "Pixels of the pictures (default 960x640)", demo_.size,
+  AddTo(app, "--texture-size", kSizeForm, "Texels of each receiver (default 256x256)", demo_.texels,
+        ReadTexels);
+  AddTo(app, "--size", kSizeForm, "Pixels of the pictures (default 960x640)", demo_.size,
         ReadPixels);
 }
 

@@ -1,5 +1,5 @@
-// penumbra: the command line. Exit status 0: done; 1: it failed; 2: the command line makes no
-// sense.
+// penumbra: the command line. Exit status 0: done; 1: it failed; 2: the command line by
+// itself makes no sense.
 #include <unistd.h>
 
 #include <exception>
@@ -11,6 +11,7 @@
 #include "client/cli/interrupt.h"
 #include "client/cli/option_error.h"
 #include "client/cli/run_command.h"
+#include "render/scene/field_error.h"
 
 namespace {
 
@@ -26,7 +27,11 @@ int RunProgram(const std::vector<std::string>& arguments) {
   const penumbra::Console console{
       .out = std::cout, .err = std::cerr, .err_is_terminal = isatty(STDERR_FILENO) != 0};
   const absl::Status status = penumbra::RunCommand(*command, console, interrupt.token());
-  return status.ok() ? 0 : Fail(status, 1);
+  if (status.ok()) return 0;
+  // Options that contradict each other, or the technique: told only once the scene is there.
+  const bool is_of_an_option = status.code() == absl::StatusCode::kInvalidArgument &&
+                               penumbra::ErrorFieldPath(status).starts_with("--");
+  return Fail(status, is_of_an_option ? 2 : 1);
 }
 
 }  // namespace

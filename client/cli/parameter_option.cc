@@ -12,14 +12,16 @@
 #include "client/cli/option_error.h"
 #include "client/cli/option_values.h"
 #include "client/cli/shading_options.h"
+#include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
 
-constexpr std::string_view kOption = "--set";
+// Errors of values have the field path that SetParameter gives them.
+constexpr std::string_view kAnyField = "value";
 
 absl::Status RangeError(std::string_view text, const std::string& need) {
-  return OptionError(kOption, "RANGE", {text}, absl::StrCat(", need ", need));
+  return OptionError(kAnyField, "RANGE", {text}, absl::StrCat(", need ", need));
 }
 
 template <typename Integer>
@@ -40,7 +42,7 @@ absl::Status Set(std::string_view text, bool& value) {
 }
 
 absl::Status Set(std::string_view text, float& value) {
-  const auto numbers = ParseNumbers(kOption, text);
+  const auto numbers = ParseNumbers(kAnyField, text);
   if (!numbers.ok()) return numbers.status();
   if (numbers->size() != 1) return RangeError(text, "one number");
   value = numbers->front();
@@ -146,28 +148,33 @@ Outcome SetOf(SoftTextureParams& params, TechniqueParams& all, std::string_view 
 
 }  // namespace
 
-absl::Status SetParameter(TechniqueParams& params, std::string_view text) {
+absl::Status SetParameter(std::string_view option, TechniqueParams& params, std::string_view text) {
   const size_t equals = text.find('=');
   if (equals == std::string_view::npos) {
-    return OptionError(kOption, "FORMAT", {text}, ", need NAME=VALUE");
+    return OptionError(option, "FORMAT", {text}, ", need NAME=VALUE");
   }
   const std::string_view name = text.substr(0, equals), value = text.substr(equals + 1);
   const Outcome outcome =
       std::visit([&](auto& own) { return SetOf(own, params, name, value); }, params);
-  if (const auto* status = std::get_if<absl::Status>(&outcome)) return *status;
+  if (const auto* status = std::get_if<absl::Status>(&outcome)) {
+    return status->ok()
+               ? *status
+               : OfOption(absl::StrCat(std::string(option), " ", std::string(name)), *status);
+  }
   std::vector<std::string> known;
   for (const ParameterInfo& parameter : InfoOf(params).parameters) {
     known.emplace_back(parameter.name);
   }
-  return OptionError(kOption, "UNKNOWN_PARAMETER", {name},
+  return OptionError(option, "UNKNOWN_PARAMETER", {name},
                      absl::StrCat(", need one of ", std::string(InfoOf(params).name),
                                   "'s: ", absl::StrJoin(known, ", ")));
 }
 
 absl::StatusOr<SoftTextureParams*> OfSoftTexture(std::string_view option, TechniqueParams& params) {
   if (auto* own = std::get_if<SoftTextureParams>(&params)) return own;
-  return OptionError(option, "CONFLICT", {InfoOf(params).name},
-                     " as the technique, need soft_texture with this option");
+  return FieldError(absl::StatusCode::kInvalidArgument, "CONFLICT", option,
+                    absl::StrCat("found it with ", std::string(InfoOf(params).name),
+                                 ", need soft_texture: no other technique has this option"));
 }
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// --set NAME=VALUE: any parameter of the technique that was chosen.
+// NAME=VALUE: any parameter of the technique that was chosen.
 #pragma once
 
 #include <string_view>
@@ -9,9 +9,11 @@
 
 namespace penumbra {
 
-// Errors  kInvalidArgument, --set as the field path: no such parameter of the technique, or not a
-//         value of its type
-absl::Status SetParameter(TechniqueParams& params, std::string_view text);
+// `text` is what was given with `option`.
+//
+// Errors  kInvalidArgument, with the option as the field path: not NAME=VALUE, or no such parameter
+//         of the technique; with "OPTION NAME" as the field path: not a value of its type
+absl::Status SetParameter(std::string_view option, TechniqueParams& params, std::string_view text);
 
 // The soft_texture's parameters, for an option that only it has.
 //

@@ -22,7 +22,8 @@ absl::StatusOr<PlannedPoints> PlanLightmap(const ImportedScene& imported,
   std::vector<std::string> ids;
   for (const Instance& instance : imported.instances) ids.push_back(instance.id);
   if (std::ranges::count(ids, id) == 0) return UnknownIdError("--lightmap", id, std::move(ids));
-  LightmapTexels lightmap{id, request.texels.width, request.texels.height};
+  const GridSize texels = request.texels.value_or(GridSize{});
+  LightmapTexels lightmap{id, texels.width, texels.height};
   if (auto status = CheckAs("--lightmap", lightmap); !status.ok()) return status;
   return PlannedPoints{id, std::move(lightmap)};
 }
@@ -67,11 +68,14 @@ absl::StatusOr<std::vector<PlannedPoints>> PlanPoints(const ImportedScene& impor
     if (!given.ok()) return given.status();
     planned.push_back({"points", *std::move(given)});
   }
-  if (!planned.empty() && !wanted.camera) return planned;
+  const bool names_picture =
+      wanted.camera || wanted.picture || !wanted.crop.empty() || !wanted.first.empty();
+  if (!planned.empty() && !names_picture) return planned;
+  const GridSize size = wanted.picture.value_or(GridSize{512, 512});
   PicturePixels picture{
-      .camera = wanted.camera.value_or(ChooseCamera(imported, request.floor, wanted.picture)),
-      .width = wanted.picture.width,
-      .height = wanted.picture.height,
+      .camera = wanted.camera.value_or(ChooseCamera(imported, request.floor, size)),
+      .width = size.width,
+      .height = size.height,
       .crop = wanted.crop,
       .first = wanted.first};
   if (auto status = CheckAs("--picture", picture); !status.ok()) return status;

@@ -17,8 +17,9 @@ struct PlannedPoints {
   PointReceiver receiver;
 };
 
-// The lightmaps and the points that the request names, and its picture, which there is also where
-// nothing is named. Where no camera is given it is the file's first, or one that has all in sight.
+// The lightmaps and the points that the request names, and its picture, if there is anything about
+// one or nothing else is named. Where no camera is given it is the file's first, or one that has
+// all in sight.
 //
 // Errors  kNotFound, UNKNOWN_ID: no such instance; those of ReadPoints; kInvalidArgument: the
 //         camera, or a part that is not in the picture

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/fitting_options.h"
 #include "client/cli/option_error.h"
 #include "client/cli/surface_plan.h"
 #include "render/scene/field_error.h"
@@ -94,11 +95,12 @@ absl::Status PlanSurfaces(const ImportedScene& imported, const ShadowRequest& re
 absl::Status PlanReceivers(const ImportedScene& imported, const ShadowRequest& request,
                            ShadowPlan& plan) {
   std::vector<Receiver>& used = plan.delta.upsert_receivers;
+  const GridSize texels = request.texels.value_or(GridSize{});
   const auto add = [&](const std::string& id, auto shape, bool two_sided) {
     used.push_back({.id = UniqueId(used, id),
                     .shape = std::move(shape),
-                    .width = request.texels.width,
-                    .height = request.texels.height,
+                    .width = texels.width,
+                    .height = texels.height,
                     .two_sided = two_sided,
                     .reflectance = request.reflectance});
   };
@@ -133,12 +135,6 @@ absl::StatusOr<Instance> InstanceOn(const Parallelogram& patch, Vec3 color, std:
 
 absl::Status PlanSurfacesAtOnce(const ImportedScene& imported, const ShadowRequest& request,
                                 ShadowPlan& plan) {
-  const bool names_receivers =
-      !request.receivers.empty() || !request.receiver_instances.empty() || request.every_polygon;
-  if (names_receivers) {
-    return OptionError("--technique", "CONFLICT", {InfoOf(request.params).name},
-                       " with a receiver named, need soft_texture, or no receiver");
-  }
   if (request.floor) {
     std::vector<Instance>& instances = plan.delta.upsert_instances;
     auto floor =
@@ -185,6 +181,7 @@ std::vector<PlannedShadow> ShadowsOf(const ShadowPlan& plan, const TechniquePara
 
 absl::StatusOr<ShadowPlan> PlanShadows(const ImportedScene& imported,
                                        const ShadowRequest& request) {
+  if (absl::Status status = CheckOptionsFit(request); !status.ok()) return status;
   ShadowPlan plan;
   plan.notes = imported.warnings;
   plan.delta.upsert_instances = imported.instances;

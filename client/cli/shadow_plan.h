@@ -29,8 +29,7 @@ struct ShadowPlan {
 // and is seen; for others it is a receiver.
 //
 // Errors  kNotFound, reason UNKNOWN_ID: no such light or instance in the file; kInvalidArgument,
-//         CONFLICT: lights named besides all of them, or receivers for a technique that takes none;
-//         those of PlanPoints
+//         CONFLICT: lights named besides all of them; those of CheckOptionsFit and PlanPoints
 absl::StatusOr<ShadowPlan> PlanShadows(const ImportedScene& imported, const ShadowRequest& request);
 
 // A patch at the bottom of `bounds`, centred, its edges three times the horizontal ones, front up,

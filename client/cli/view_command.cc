@@ -33,12 +33,12 @@ ShadowRequest WithReceivers(ShadowRequest request, const ImportedScene& imported
   return request;
 }
 
-Json ToJson(const ViewCommand& command, size_t textures, const DrawnPicture& drawn) {
+Json ToJson(const ViewCommand& command, size_t shadows, const DrawnPicture& drawn) {
   const Camera& camera = drawn.camera;
   return {{"out", command.out.string()},
           {"width", command.size.width},
           {"height", command.size.height},
-          {"textures", textures},
+          {"shadows", shadows},
           {"camera",
            {{"eye", {camera.eye.x, camera.eye.y, camera.eye.z}},
             {"target", {camera.target.x, camera.target.y, camera.target.z}},
@@ -67,11 +67,8 @@ absl::Status Receive(Engine& engine, const std::string& scene_id,
 // The final picture's shadows: as many pixels as are shaded, in each light.
 std::vector<PlannedShadow> FinalShadows(const ViewCommand& command, const ShadowPlan& plan,
                                         const Camera& camera) {
-  // Half floats go up to 65,504, whatever the light's strength.
-  CoherentRaytraceParams params{.output = RadianceFormat::kFloat32};
-  if (const auto* chosen = std::get_if<CoherentRaytraceParams>(&command.request.params)) {
-    params = *chosen;
-  }
+  const bool is_chosen = InfoOf(command.request.params).target == SpecTarget::kPoints;
+  const TechniqueParams& params = is_chosen ? command.request.params : command.final_params;
   const auto n = static_cast<uint32_t>(RenderOptions{}.samples_per_side);
   const PicturePixels picture{
       .camera = camera, .width = n * command.size.width, .height = n * command.size.height};
@@ -94,7 +91,7 @@ absl::Status Draw(const ViewCommand& command, const Camera& camera, const Scene&
   if (command.json) {
     console.out << ToJson(command, shadows.size(), *drawn).dump(2) << '\n';
   } else {
-    console.out << absl::StrFormat("wrote %s with %d texture%s, drawn in %.1f ms by %s\n",
+    console.out << absl::StrFormat("wrote %s with %d shadow%s, drawn in %.1f ms by %s\n",
                                    command.out.string(), shadows.size(),
                                    shadows.size() == 1 ? "" : "s", drawn->draw_ms, drawn->renderer);
   }

@@ -9,6 +9,7 @@
 #include "gtest/gtest.h"
 #include "tests/accuracy/ledger.h"
 #include "tests/support/ldi_study.h"
+#include "tests/support/pile_of_things.h"
 #include "tests/support/rippled_torus.h"
 #include "tests/support/scenes_folder.h"
 #include "tests/support/shapes.h"
@@ -20,17 +21,19 @@ struct Worst {
   double mean = 0, p99 = 0;
 };
 
-// Compares at 64 and 256 samples.
+// Compares at 64 and 256 samples, drawn by each of the ways there are.
 void Compare(const std::string& name, std::vector<Instance> instances, Worst& worst) {
   LdiStudy study(OnAFloor(std::move(instances)), 2);
-  for (const uint32_t samples : {64u, 256u}) {
+  for (const auto& [by_rays, samples] : {std::pair(false, 64u), std::pair(true, 64u),
+                                         std::pair(false, 256u), std::pair(true, 256u)}) {
+    study.DrawBy(by_rays);
     const LdiOptions options{.samples = samples};
     const LdiError error = study.Compare(study.Build(options), options);
     const auto partly = std::ranges::count_if(
         error.traced, [](float traced) { return traced > 0.02f && traced < 0.98f; });
-    std::cout << name << ", " << samples << " samples: " << error.points << " points, " << partly
-              << " in penumbrae, mean error " << error.mean << ", bias " << error.bias
-              << ", 99th percentile " << error.p99 << '\n';
+    std::cout << name << ", " << samples << " samples" << (by_rays ? ", by rays: " : ": ")
+              << error.points << " points, " << partly << " in penumbrae, mean error " << error.mean
+              << ", bias " << error.bias << ", 99th percentile " << error.p99 << '\n';
     EXPECT_GT(error.points, 50'000u) << name;
     EXPECT_GT(partly, 1000) << name;
     worst.mean = std::max(worst.mean, error.mean);
@@ -46,15 +49,7 @@ void ExpectKept(const std::string& scenes, const Worst& worst) {
 TEST(LayeredAttenuationAccuracyTest, ScenesOfOurOwnAgreeWithRays) {
   Worst worst;
   Compare("torus", {{.id = "torus", .mesh = MeshOf(RippledTorus(160, 64))}}, worst);
-  std::vector<Instance> pile;
-  for (int i = 0; i < 40; ++i) {
-    const auto k = static_cast<float>(i);
-    const Vec3 at(2 * std::sin(1.7f * k), 0.35f + 0.05f * k, 2 * std::cos(2.3f * k));
-    pile.push_back({.id = "piece" + std::to_string(i),
-                    .mesh = MeshOf(i % 3 == 0 ? BallGeometry(48, 24) : UnitBoxGeometry()),
-                    .world_from_mesh = Placed(at, 0.12f + 0.01f * static_cast<float>(i % 7))});
-  }
-  Compare("pile", std::move(pile), worst);
+  Compare("pile", PileOfThings(), worst);
   ExpectKept("own", worst);
 }
 

@@ -13,8 +13,6 @@
 // Samples below the horizon or on a light's back cost neither a ray. Building hierarchies is left
 // out on both sides, the proof's picture counts for us. RMSE is of attenuation, over the points.
 
-#include <embree3/rtcore.h>
-
 #include <array>
 #include <cmath>
 #include <memory>
@@ -23,12 +21,12 @@
 #include "render/math/parallel_for.h"
 #include "render/technique/coherent_raytrace/depth_image_tracer.h"
 #include "render/technique/coherent_raytrace/light_proof.h"
-#include "render/technique/coherent_raytrace/point_samples.h"
 #include "render/technique/coherent_raytrace/reference_images.h"
 #include "render/technique/coherent_raytrace/shadow_field.h"
 #include "render/technique/coherent_raytrace/triangle_tracer.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/coherent_raytrace_scenes.h"
+#include "tests/support/packet_rays.h"
 
 namespace penumbra::bench {
 namespace {
@@ -37,92 +35,23 @@ constexpr uint32_t kPixels = 512;
 constexpr uint64_t kSeed = 1;
 constexpr uint32_t kTilesLeftOut = 8;  // of as many all but one
 
-// The peer's hierarchy. The models have no masks.
-struct PeersBvh {
-  explicit PeersBvh(const Scene& scene)
-      : device(rtcNewDevice(nullptr), rtcReleaseDevice),
-        top(rtcNewScene(device.get()), rtcReleaseScene) {
-    for (const auto& [id, instance] : scene.instances()) {
-      if (instance->casts) Add(*instance);
-    }
-    rtcCommitScene(top.get());
-  }
-
-  void Add(const Instance& instance) {
-    const Mesh& mesh = *instance.mesh;
-    const RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* const vertices = static_cast<Vec3*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), mesh.vertex_count()));
-    for (size_t i = 0; i < mesh.vertex_count(); ++i) {
-      vertices[i] = TransformPoint(instance.world_from_mesh, mesh.positions()[i]);
-    }
-    auto* const indices = static_cast<uint32_t*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                3 * sizeof(uint32_t), mesh.triangle_count()));
-    std::ranges::copy(mesh.indices(), indices);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(top.get(), geometry);
-    rtcReleaseGeometry(geometry);
-  }
-
-  std::shared_ptr<RTCDeviceTy> device;
-  std::shared_ptr<RTCSceneTy> top;
-};
-
 struct Case {
   const LitModel& model;
-  const PeersBvh& bvh;
+  const testing::PacketRays& peer;
   const SurfacePoints& points;
   float surface_offset;
   uint32_t side;
   tbb::task_arena& arena;
 };
 
-// All samples of one point, four by four cells a packet. Returns how many it sees.
-uint16_t SeenFrom(const Case& c, const LightSquare& square, size_t i,
-                  RTCIntersectContext& context) {
-  const SurfacePoint& point = c.points.points[i];
-  if (square.IsDarkAt(point.position)) return 0;
-  const LightSquare::Seen seen = square.From(point.position);
-  SampleBatch samples;
-  samples.Add(CellMask::All(c.side), {c.side, 1}, SampleSeed(kSeed, i));
-  const Vec3 origin = point.position + c.surface_offset * point.normal;
-  alignas(64) RTCRay16 r;
-  alignas(64) std::array<int, 16> valid;
-  uint16_t count = 0;
-  for (uint32_t block = 0; block < c.side * c.side / 16; ++block) {
-    bool any = false;
-    for (uint32_t k = 0; k < 16; ++k) {
-      const uint32_t s = 16 * block + k;
-      const Vec3 target = seen.TargetAt({samples.u[s], samples.v[s]}), way = target - origin;
-      valid[k] = seen.IsAbove(target, point.normal) ? -1 : 0;
-      any |= valid[k] != 0;
-      r.org_x[k] = origin.x, r.org_y[k] = origin.y, r.org_z[k] = origin.z;
-      r.dir_x[k] = way.x, r.dir_y[k] = way.y, r.dir_z[k] = way.z;
-      r.tnear[k] = 0, r.tfar[k] = 1 - 0x1p-16f;
-      r.time[k] = 0, r.mask[k] = ~0u, r.id[k] = k, r.flags[k] = 0;
-    }
-    if (!any) continue;
-    rtcOccluded16(valid.data(), c.bvh.top.get(), &context, &r);
-    for (uint32_t k = 0; k < 16; ++k) count += valid[k] != 0 && r.tfar[k] > 0;
-  }
-  return count;
-}
-
 std::vector<uint16_t> TraceAll(const Case& c, bool is_coherent) {
-  const LightSquare square(c.model.light);
-  std::vector<uint16_t> visible(c.points.size());
-  RunIn(c.arena, [&] {
-    ParallelFor(c.points.height, [&](uint32_t row) {
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      if (is_coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-      for (size_t i = size_t{row} * c.points.width; i < size_t{row + 1} * c.points.width; ++i) {
-        if (c.points.is_there[i]) visible[i] = SeenFrom(c, square, i, context);
-      }
-    });
-  });
-  return visible;
+  return c.peer.VisibleFrom(c.points,
+                            {.light = c.model.light,
+                             .side = c.side,
+                             .seed = kSeed,
+                             .surface_offset = c.surface_offset,
+                             .is_coherent = is_coherent},
+                            c.arena);
 }
 
 std::vector<uint32_t> SomeTiles(std::span<const PixelRect> tiles) {
@@ -233,13 +162,13 @@ std::vector<Row> CoherentRaytraceSuite(const BenchOptions& options) {
   for (const LitModel& model : LitModels()) {
     CasterBvhs bvhs;
     const auto seen = bvhs.Of(*model.scene, CasterBvhs::Instances::kAll);
-    const PeersBvh peers_bvh(*model.scene);
+    const testing::PacketRays peer(*model.scene);
     const SurfacePoints points = OrDie(
         VisiblePoints(*seen, {.camera = model.camera, .width = kPixels, .height = kPixels}, arena));
     const std::string prefix = "coherent_raytrace." + model.name + ".";
     std::array<double, 2> rays{};
     for (const uint32_t side : {8u, 16u}) {
-      const Case c{model, peers_bvh, points, SurfaceOffset(model.scene->Bounds()), side, arena};
+      const Case c{model, peer, points, SurfaceOffset(model.scene->Bounds()), side, arena};
       const std::string suffix = side == 8 ? "_64" : "";
       std::vector<uint16_t> truth;
       std::vector<Row> more = TriangleRows(c, prefix, suffix, options, truth);

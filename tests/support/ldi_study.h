@@ -47,6 +47,9 @@ class LdiStudy {
   size_t triangle_count() const { return bvh_->triangle_count(); }
   bool is_drawn_by_rays() const { return source_ == sources_[1].get(); }
 
+  // Instead of the way that was the quicker one when the study began.
+  void DrawBy(bool rays) { source_ = sources_[rays ? 1 : 0].get(); }
+
   AttenuationLdi Build(const LdiOptions& options);
   // What rays from the camera's points to the same samples tell.
   LdiError Compare(const AttenuationLdi& ldi, const LdiOptions& options);

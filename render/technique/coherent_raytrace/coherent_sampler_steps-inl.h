@@ -46,7 +46,7 @@ inline CellMask CoherentSampler::Below(const Vec3& normal) const {
   }
   SampleBatch samples;
   samples.Add(all_, grid_, sample_seed_);
-  std::array<float, SampleBatch::kMax> x, y, z;
+  std::array<float, SampleBatch::kMax + kSamplerLanes> x, y, z;
   seen_.TargetsAt(samples.count, samples.u.data(), samples.v.data(), x.data(), y.data(), z.data());
   CellMask below(settings_.side);
   for (size_t i = 0; i < samples.count; ++i) {

@@ -3,7 +3,7 @@
 //   const LightSquare square(light);
 //   const LightSquare::Seen seen = square.From(point);
 //   const Vec3 target = seen.TargetAt({0.5f, 0.5f});   // the light's middle
-//   const Vec2 cell = seen.SquareOf(blocker);          // what of the light the blocker hides
+//   seen.PartsBehind(grid, blockers, count, parts);    // what of the light blockers hide
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 #include "render/math/vec.h"
 #include "render/scene/area_light.h"
-#include "render/technique/coherent_raytrace/sampler_kernel.h"
+#include "render/technique/coherent_raytrace/square_kernel.h"
 
 namespace penumbra {
 
@@ -19,55 +19,46 @@ namespace penumbra {
 // disc that the point sees of it; on a distant light, on the disc of directions as projected.
 class LightSquare {
  public:
-  enum class Kind { kRectangle, kDisk, kSphere, kSky, kPoint, kDirection };
+  using Kind = SquareKind;
 
   explicit LightSquare(const AreaLight& light);
 
-  Kind kind() const { return kind_; }
+  Kind kind() const { return frame_.kind; }
   // The light has no extent: all of the square is one point.
-  bool is_single() const { return kind_ == Kind::kPoint || kind_ == Kind::kDirection; }
-  bool is_at_infinity() const { return kind_ == Kind::kSky || kind_ == Kind::kDirection; }
+  bool is_single() const { return kind() == Kind::kPoint || kind() == Kind::kDirection; }
+  bool is_at_infinity() const { return kind() == Kind::kSky || kind() == Kind::kDirection; }
   // How wide the light is, a rectangle along its shorter side, in m; 0 if it has no extent or is at
   // infinity.
   float width() const;
   // A rectangle or disk that shines from its front alone has its back towards `point`.
   bool IsDarkAt(Vec3 point) const;
 
-  // What is beyond these is hidden nowhere on the square.
-  static constexpr float kOutside = 2.0f;
+  // The place on the light (SquareView) of a point of the square.
+  Vec2 PlaceOf(Vec2 square) const;
 
   class Seen {
    public:
     // A position, or of lights at infinity a unit direction.
     Vec3 TargetAt(Vec2 square) const;
-    // The same of many. Those on a rectangle are the same for all points.
+    // The same of many, and they may be more by up to kSamplerLanes.
     void TargetsAt(size_t count, const float* u, const float* v, float* x, float* y,
                    float* z) const {
-      if (kind_ == Kind::kRectangle) {
-        for (size_t i = 0; i < count; ++i) {
-          x[i] = origin_.x + u[i] * u_.x + v[i] * v_.x;
-          y[i] = origin_.y + u[i] * u_.y + v[i] * v_.y;
-          z[i] = origin_.z + u[i] * u_.z + v[i] * v_.z;
-        }
-        return;
-      }
-      for (size_t i = 0; i < count; ++i) {
-        const Vec3 target = TargetAt({u[i], v[i]});
-        x[i] = target.x, y[i] = target.y, z[i] = target.z;
-      }
+      penumbra::TargetsAt(view_, count, u, v, x, y, z);
     }
-    // Where the ray from the point through `blocker` meets the light; kOutside where it does not,
-    // or only before the blocker.
-    Vec2 SquareOf(Vec3 blocker) const;
-    // The same of many: the parts of the grid's cells that they hide (PartsBehind).
+    // What of the light blockers hide: the parts of the grid's cells where the rays from the point
+    // through them meet it, CellGrid::off where they do not, or only before the blocker.
     void PartsBehind(const CellGrid& grid, const Vec4* blockers, size_t count,
-                     uint32_t* part) const;
-    // cos θ cos θ' / r² of equation (1), per area of the square, up to a factor that is the same
-    // all over the light.
-    float WeightAt(Vec2 square, Vec3 normal) const;
+                     uint32_t* part) const {
+      penumbra::PartsBehind(view_, grid, blockers, count, part);
+    }
+    // What of equation (1) depends on the light's point, at places on the light.
+    void WeightsAt(const Vec3& normal, size_t count, const float* s, const float* t,
+                   float* weight) const {
+      penumbra::WeightsAt(view_, normal, count, s, t, weight);
+    }
     bool IsAbove(Vec3 target, Vec3 normal) const {
-      const bool at_infinity = kind_ == Kind::kSky || kind_ == Kind::kDirection;
-      return glm::dot(normal, at_infinity ? target : target - point_) > 0;
+      const bool at_infinity = view_.kind == Kind::kSky || view_.kind == Kind::kDirection;
+      return glm::dot(normal, at_infinity ? target : target - view_.point) > 0;
     }
     // Whether all of the light is above the plane through the point with this normal, or none.
     enum class Side { kAbove, kBelow, kBoth };
@@ -75,17 +66,7 @@ class LightSquare {
 
    private:
     friend class LightSquare;
-    Vec2 OnDisk(Vec2 square) const;
-    Vec2 DiskOf(Vec3 blocker) const;
-
-    Kind kind_;
-    Vec3 point_{0.0f};
-    Vec3 origin_{0.0f};                      // the square's (0, 0), or the disc's middle
-    Vec3 u_{0.0f}, v_{0.0f}, n_{0.0f};       // along the square or the disc's radii; n_ of length 1
-    Vec3 dual_u_{0.0f}, dual_v_{0.0f};       // dot(u_, dual_u_) = 1, across v_
-    float height_ = 0.0f;                    // of the light's plane over the point, along n_
-    float along_u_ = 0.0f, along_v_ = 0.0f;  // the point's own place on the square or disc
-    float radius_ = 0.0f;
+    SquareView view_;
   };
   Seen From(Vec3 point) const;
 
@@ -93,9 +74,8 @@ class LightSquare {
   void TakeRectangle(const RectangleLight& light);
   void TakeDisk(const DiskLight& light);
 
-  Kind kind_ = Kind::kPoint;
   bool two_sided_ = true;
-  Seen frame_;  // all but what depends on the point
+  SquareView frame_;  // all but what depends on the point
 };
 
 }  // namespace penumbra

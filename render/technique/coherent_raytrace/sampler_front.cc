@@ -51,7 +51,7 @@ class Front final : public SamplerFront {
   SampleBatch samples_;
   std::vector<RayFan> fans_;
   std::vector<uint32_t> fan_lanes_;
-  std::array<float, SampleBatch::kMax> x_, y_, z_, blocked_at_;
+  std::array<float, SampleBatch::kMax + kSamplerLanes> x_, y_, z_, blocked_at_;
 };
 
 // Of a light without extent one ray is all there is to know.

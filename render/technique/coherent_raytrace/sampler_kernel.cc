@@ -57,46 +57,6 @@ void PlaceSamples(const CellGrid& grid, uint64_t sample_seed, const uint32_t* ce
   }
 }
 
-HWY_INLINE VF Dot(VF x, VF y, VF z, Vec3 v) {
-  const F f;
-  return hn::MulAdd(x, hn::Set(f, v.x),
-                    hn::MulAdd(y, hn::Set(f, v.y), hn::Mul(z, hn::Set(f, v.z))));
-}
-
-void PartsBehind(const CellGrid& grid, const RectangleView& view, const Vec4* blockers,
-                 size_t count, uint32_t* part) {
-  const F f;
-  const I i;
-  const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
-  const auto along = hn::Set(i, static_cast<int32_t>(grid.along()));
-  const auto last = hn::Set(i, static_cast<int32_t>(grid.along()) - 1);
-  const auto off = hn::Set(i, static_cast<int32_t>(grid.off()));
-  const VF size = hn::Set(f, static_cast<float>(grid.along()));
-  for (size_t k = 0; k < count; k += hn::Lanes(f)) {
-    VF x, y, z, unused;
-    hn::LoadInterleaved4(f, &blockers[k].x, x, y, z, unused);
-    const VF way_x = hn::Sub(x, hn::Set(f, view.point.x));
-    const VF way_y = hn::Sub(y, hn::Set(f, view.point.y));
-    const VF way_z = hn::Sub(z, hn::Set(f, view.point.z));
-    const VF stretch = hn::Div(hn::Set(f, view.height), Dot(way_x, way_y, way_z, view.normal));
-    const VF u =
-        hn::MulAdd(stretch, Dot(way_x, way_y, way_z, view.dual_u), hn::Set(f, view.along_u));
-    const VF v =
-        hn::MulAdd(stretch, Dot(way_x, way_y, way_z, view.dual_v), hn::Set(f, view.along_v));
-    const auto is_on_light =
-        hn::And(hn::Gt(stretch, one), hn::And(hn::And(hn::Ge(u, zero), hn::Lt(u, one)),
-                                              hn::And(hn::Ge(v, zero), hn::Lt(v, one))));
-    const auto column =
-        hn::Min(hn::ConvertTo(i, hn::IfThenElseZero(is_on_light, hn::Mul(u, size))), last);
-    const auto row =
-        hn::Min(hn::ConvertTo(i, hn::IfThenElseZero(is_on_light, hn::Mul(v, size))), last);
-    const auto at =
-        hn::IfThenElse(hn::RebindMask(i, is_on_light), hn::Add(hn::Mul(row, along), column), off);
-    const hn::RebindToUnsigned<I> unsigned_lanes;
-    hn::StoreU(hn::BitCast(unsigned_lanes, at), unsigned_lanes, part + k);
-  }
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace penumbra
 HWY_AFTER_NAMESPACE();
@@ -105,16 +65,10 @@ HWY_AFTER_NAMESPACE();
 namespace penumbra {
 
 HWY_EXPORT(PlaceSamples);
-HWY_EXPORT(PartsBehind);
 
 void PlaceSamples(const CellGrid& grid, uint64_t sample_seed, const uint32_t* cell, size_t count,
                   const SamplePlaces& places) {
   HWY_DYNAMIC_DISPATCH(PlaceSamples)(grid, sample_seed, cell, count, places);
-}
-
-void PartsBehind(const CellGrid& grid, const RectangleView& view, const Vec4* blockers,
-                 size_t count, uint32_t* part) {
-  HWY_DYNAMIC_DISPATCH(PartsBehind)(grid, view, blockers, count, part);
 }
 
 }  // namespace penumbra

@@ -1,5 +1,5 @@
-// What is done for every sample and for every blocker, compiled for several
-// instruction sets and chosen when first called.
+// What is done for every sample; compiled for several instruction sets and chosen when first
+// called.
 #pragma once
 
 #include <cstddef>
@@ -37,18 +37,5 @@ struct SamplePlaces {
 // Source  the finaliser is that of Wellons 2018, lowbias32
 void PlaceSamples(const CellGrid& grid, uint64_t sample_seed, const uint32_t* cell, size_t count,
                   const SamplePlaces& places);
-
-// How a rectangle is seen from a point: LightSquare::Seen.
-struct RectangleView {
-  Vec3 point, normal, dual_u, dual_v;
-  float height, along_u, along_v;
-};
-
-// The parts that blockers hide, or CellGrid::off for those that hide nothing of the light. Their
-// last coordinates say nothing.
-//
-// Shapes  blockers of `count`, padded → part of `count`, padded
-void PartsBehind(const CellGrid& grid, const RectangleView& view, const Vec4* blockers,
-                 size_t count, uint32_t* part);
 
 }  // namespace penumbra

@@ -37,6 +37,13 @@ float PredictionDistanceAt(float spacing, const LightSquare& square,
       square.is_at_infinity() ? distance : std::min(distance, kLightWidths * square.width()));
 }
 
+// One sample is enough of a light without extent.
+SamplingSettings SamplingFor(const LightSquare& square, const ShadowFieldSettings& settings) {
+  SamplingSettings sampling = settings.sampling;
+  if (square.is_single()) sampling.side = 1;
+  return sampling;
+}
+
 // Rows of neighbouring points, one for each lane of a front: those of a picture's tile, or parts of
 // a list's one after another.
 struct TileRows {
@@ -75,6 +82,23 @@ uint32_t ExteriorTurns(const LightSquare& square, uint32_t side, float spacing) 
   return static_cast<uint32_t>(std::clamp(spacing > 0 ? cell / spacing : 1.0f, 1.0f, most));
 }
 
+// Where on the light the middles of the square's cells are.
+struct CellMiddles {
+  static constexpr size_t kMax = size_t{CellMask::kMaxSide} * CellMask::kMaxSide + kSamplerLanes;
+
+  CellMiddles(const LightSquare& square, uint32_t side) {
+    CellMask::All(side).ForEach([&](uint32_t cell) {
+      const Vec2 at(cell % CellMask::kMaxSide, cell / CellMask::kMaxSide);
+      const Vec2 place = square.PlaceOf((at + 0.5f) / static_cast<float>(side));
+      s[count] = place.x, t[count] = place.y;
+      ++count;
+    });
+  }
+
+  size_t count = 0;
+  std::array<float, kMax> s, t;
+};
+
 class FieldWork {
  public:
   FieldWork(const AreaLight& light, const SurfacePoints& points, const ShadowTracer& tracer,
@@ -85,9 +109,9 @@ class FieldWork {
         tracer_(tracer),
         settings_(settings),
         stop_(stop),
+        sampling_(SamplingFor(square_, settings)),
+        middles_(square_, sampling_.side),
         tiles_(TilesOf(points.width, points.height)) {
-    sampling_ = settings.sampling;
-    if (square_.is_single()) sampling_.side = 1;
     const float spacing = SpacingOf(points);
     sampling_.prediction_distance = PredictionDistanceAt(spacing, square_, settings);
     sampling_.exterior_turns = std::max(
@@ -129,6 +153,7 @@ class FieldWork {
   const ShadowFieldSettings& settings_;
   const std::stop_token& stop_;
   SamplingSettings sampling_;
+  const CellMiddles middles_;
   const std::vector<PixelRect> tiles_;
   std::vector<uint32_t> order_;
   std::atomic<size_t> next_ = 0;
@@ -169,11 +194,13 @@ float FieldWork::Shade(const SurfacePoint& point, const CellMask& visible) const
   const uint32_t side = sampling_.side;
   if (visible == CellMask::All(side)) return static_cast<float>(unoccluded);
   const LightSquare::Seen seen = square_.From(point.position);
+  std::array<float, CellMiddles::kMax> weights;
+  seen.WeightsAt(point.normal, middles_.count, middles_.s.data(), middles_.t.data(),
+                 weights.data());
   double seen_sum = 0, sum = 0;
+  size_t i = 0;
   CellMask::All(side).ForEach([&](uint32_t cell) {
-    const Vec2 at(cell % CellMask::kMaxSide, cell / CellMask::kMaxSide);
-    const Vec2 middle = (at + 0.5f) / static_cast<float>(side);
-    const double k = seen.WeightAt(middle, point.normal);
+    const double k = weights[i++];
     sum += k;
     if (visible.Has(cell)) seen_sum += k;
   });

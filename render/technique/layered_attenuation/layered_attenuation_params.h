@@ -45,8 +45,8 @@ struct LayeredAttenuationParams {
   static constexpr TechniqueInfo kInfo = {
       .name = "layered_attenuation",
       .summary =
-          "Soft shadows on all surfaces at once, for any view: layers of all that a light sees, "
-          "with how much of it each is seen by.",
+          "The preview while things move: soft shadows on all surfaces at once, for any view, as "
+          "layers of all that a light sees, with how much of it each is seen by.",
       .artifact_kind = "attenuation_ldi",
       .target = SpecTarget::kScene,
       .source =

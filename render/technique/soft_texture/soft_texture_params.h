@@ -111,8 +111,8 @@ struct SoftTextureParams {
   static constexpr TechniqueInfo kInfo = {
       .name = "soft_texture",
       .summary =
-          "Soft shadows on a planar patch: at each texel, the exact number of light samples "
-          "that see it.",
+          "Textures for flat receivers: at each texel, the exact number of light samples that see "
+          "it.",
       .artifact_kind = "soft_shadow_texture",
       .source = "Herf 1997, Efficient Generation of Soft Shadow Textures, CMU-CS-97-138",
       .parameters = kParameters,

@@ -208,7 +208,7 @@ TEST_F(CommandsTest, ViewDrawsWhatItReceives) {
                              "--texture-size", "64", "--camera", "6 7 9, 0 1 0, 45", "--json",
                              "--rect-light", "-1 6 -1 2 0 0 0 0 2 5", "--out", picture});
   ASSERT_EQ(view.exit_status, 0) << view.err;
-  EXPECT_EQ(Json::parse(view.out)["textures"], 2) << "the floor and the wall";
+  EXPECT_EQ(Json::parse(view.out)["shadows"], 2) << "the floor and the wall";
   const auto png = ReadImage(picture);
   ASSERT_TRUE(png.ok()) << png.status();
   EXPECT_EQ(png->width, 160);

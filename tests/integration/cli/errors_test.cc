@@ -64,7 +64,7 @@ TEST_F(ErrorsTest, FilesThatCannotBeRead) {
 TEST_F(ErrorsTest, PlacesThatCannotBeWritten) {
   ExpectError({"bake", scene_, "--out", "/proc/penumbra"}, "/proc/penumbra: cannot be written");
   ExpectError({"bake", scene_, "--out", scene_}, "found a file, need a folder");
-  ExpectError({"view", scene_, "--out", folder_ / "view.jpg"}, "ends in .png or .exr");
+  ExpectError({"view", scene_, "--out", folder_ / "view.jpg"}, "ends in .png or .exr", 2);
   ExpectError({"view", scene_, "--out", "/proc/penumbra/view.png"}, "cannot be written");
 }
 
@@ -74,9 +74,29 @@ TEST_F(ErrorsTest, ScenesThatCannotBeComputed) {
   ExpectError(Bake({"--light", "moon"}), "--light: found \"moon\"");
   ExpectError(Bake({"--receiver-instance", "moon"}), "--receiver-instance: found \"moon\"");
   ExpectError(Bake({"--receiver-instance", "box"}), "need an instance in one plane");
-  ExpectError(Bake({"--light", "*", "--light", "moon"}), "--light: found \"*\"");
+  ExpectError(Bake({"--light", "*", "--light", "moon"}), "--light: found \"*\"", 2);
   ExpectError(Bake({"--method", "coverage", "--silhouette-reuse", "4"}),
               "silhouette_reuse: found 4 with the method coverage");
+}
+
+TEST_F(ErrorsTest, OptionsOfAnotherTechnique) {
+  const std::vector<std::string> layers = {"--technique", "layered_attenuation"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), layers.begin(), layers.end());
+    return Bake(more);
+  };
+  ExpectError(with({"--size", "64"}), "--size: found it with layered_attenuation, need --set res",
+              2);
+  ExpectError(with({"--receiver-instance", "floor"}), "--receiver-instance: found it with lay", 2);
+  ExpectError(with({"--crop", "0 0 8 8"}), "--crop: found it with layered_attenuation", 2);
+  ExpectError(with({"--method", "gl"}), "--method: found it with layered_attenuation", 2);
+  ExpectError(Bake({"--lightmap", "box"}), "--lightmap: found it with soft_texture", 2);
+  ExpectError({"view", scene_, "--out", folder_ / "v.png", "--technique", "coherent_raytrace",
+               "--texture-size", "64"},
+              "--texture-size: found it with coherent_raytrace", 2);
+  ExpectError({"demo", scene_, "--server", "127.0.0.1:1", "--out", folder_ / "demo", "--technique",
+               "coherent_raytrace"},
+              "--technique: found \"coherent_raytrace\"", 2);
 }
 
 TEST_F(ErrorsTest, ServersThatAreNotThere) {

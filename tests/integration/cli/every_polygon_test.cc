@@ -89,7 +89,7 @@ TEST_F(EveryPolygonTest, ViewDrawsThem) {
   const Finished view = Run({"view", scene_, "--every-polygon", "--samples", "8", "--size", "80x60",
                              "--out", folder_ / "view.png", "--json"});
   ASSERT_EQ(view.exit_status, 0) << view.err;
-  EXPECT_EQ(Json::parse(view.out)["textures"], 7);
+  EXPECT_EQ(Json::parse(view.out)["shadows"], 7);
 }
 
 TEST_F(EveryPolygonTest, NoSurfaceIsOneLineOfError) {

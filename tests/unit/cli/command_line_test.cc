@@ -74,7 +74,7 @@ TEST(CommandLineTest, BakeInFull) {
 TEST(CommandLineTest, BakeDefaults) {
   const auto bake = Parsed<BakeCommand>({"bake", "a.obj", "--out", "d"});
   EXPECT_EQ(bake.engine.server, "");
-  EXPECT_EQ(bake.request.texels, (GridSize{256, 256}));
+  EXPECT_FALSE(bake.request.texels.has_value());
   EXPECT_EQ(std::get<SoftTextureParams>(bake.request.params), SoftTextureParams{});
   EXPECT_FALSE(bake.request.floor);
   EXPECT_FALSE(bake.exposure.has_value());

@@ -55,6 +55,31 @@ TEST(ParameterOption, SaysWhatIsWrong) {
   EXPECT_EQ(fault("layered_attenuation", "backend=triangles"), "UNKNOWN_PARAMETER");
   EXPECT_EQ(fault("coherent_raytrace", "gap_bias=1 2"), "RANGE");
   EXPECT_EQ(fault("soft_texture", "resolution=3"), "UNKNOWN_PARAMETER");
+  const auto status = Baked({"--technique", "coherent_raytrace", "--set", "samples=lots"}).status();
+  EXPECT_EQ(status.message(), "--set samples: found \"lots\", need a whole number");
+}
+
+TEST(ParameterOption, AFinalPictureHasItsOwn) {
+  const auto viewed = [](std::vector<std::string> options) {
+    std::vector<std::string> words = {"view",  "a.glb",       "--out",
+                                      "a.png", "--technique", "layered_attenuation"};
+    words.insert(words.end(), options.begin(), options.end());
+    return ParseCommandLine(words);
+  };
+  const auto command = viewed({"--final", "--samples", "16", "--seed", "5", "--set",
+                               "resolution=300", "--final-set", "backend=depth_images"});
+  ASSERT_TRUE(command.ok()) << command.status();
+  const auto& view = std::get<ViewCommand>(*command);
+  LayeredAttenuationParams first{.samples = 16, .seed = 5};
+  first.resolution = 300;
+  EXPECT_EQ(view.request.params, TechniqueParams(first));
+  CoherentRaytraceParams final{.samples = 16, .seed = 5};
+  final.backend = RayBackend::kDepthImages;
+  final.output = RadianceFormat::kFloat32;
+  EXPECT_EQ(view.final_params, TechniqueParams(final));
+  EXPECT_FALSE(viewed({"--final-set", "seed=2"}).ok()) << "without --final";
+  EXPECT_EQ(ErrorFieldPath(viewed({"--final", "--final-set", "seed=x"}).status()),
+            "--final-set seed");
 }
 
 TEST(ParameterOption, OptionsOfSoftTextureAreItsAlone) {

@@ -87,7 +87,7 @@ TEST(PlanShadowsTest, ReceiversHaveNamesOfTheirOwnAndTheSizesAskedFor) {
   const ShadowRequest request{.receivers = {Parallelogram{}, Parallelogram{}},
                               .receiver_instances = {"small"},
                               .floor = true,
-                              .texels = {32, 16},
+                              .texels = GridSize{32, 16},
                               .reflectance = Vec3(0.5f)};
   const auto plan = PlanShadows(Room(), request);
   ASSERT_TRUE(plan.ok());

@@ -28,13 +28,12 @@ size_t WrongCells(const LightProof& proof, const ShadowTracer& tracer,
   proven += samples.count;
   const LightSquare::Seen seen = square.From(point.position);
   const bool at_infinity = square.is_at_infinity();
-  testing::Batch batch{.x = std::vector<float>(samples.count),
-                       .y = std::vector<float>(samples.count),
-                       .z = std::vector<float>(samples.count),
-                       .from = point,
-                       .at_infinity = at_infinity};
+  const std::vector<float> padded(samples.count + kSamplerLanes);
+  testing::Batch batch{
+      .x = padded, .y = padded, .z = padded, .from = point, .at_infinity = at_infinity};
   seen.TargetsAt(samples.count, samples.u.data(), samples.v.data(), batch.x.data(), batch.y.data(),
                  batch.z.data());
+  for (auto* axis : {&batch.x, &batch.y, &batch.z}) axis->resize(samples.count);
   const std::vector<float> blocked_at = batch.Trace(tracer, false);
   size_t wrong = 0;
   for (size_t i = 0; i < samples.count; ++i) {
