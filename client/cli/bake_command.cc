@@ -7,6 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/bake_files.h"
 #include "client/cli/compute_shadow.h"
+#include "client/cli/fitting_options.h"
 #include "client/cli/open_engine.h"
 #include "client/cli/output_files.h"
 #include "client/cli/run_command.h"
@@ -121,6 +122,7 @@ absl::Status Run(const BakeCommand& command, const Console& console, std::stop_t
   const bool names_none = takes_receivers && request.receivers.empty() &&
                           request.receiver_instances.empty() && !request.every_polygon;
   request.floor = request.floor || names_none;
+  if (absl::Status status = CheckOptionsFit(request); !status.ok()) return status;
   const auto imported = ImportScene(request.scene);
   if (!imported.ok()) return imported.status();
   auto plan = PlanShadows(*imported, request);

@@ -32,7 +32,7 @@ BakePlanes PlanesOf(const RadianceTexture& radiance, const ShadowTexels& texels)
   return planes;
 }
 
-// What the screen shows, with the background wherever `coverage` has no surface.
+// What the screen shows, with the background where `coverage` has no surface; null: all is shown.
 Picture ToPicture(const RadianceTexture& radiance, const CoverageMask* coverage) {
   Picture picture{.width = static_cast<int>(radiance.width),
                   .height = static_cast<int>(radiance.height),
@@ -40,7 +40,7 @@ Picture ToPicture(const RadianceTexture& radiance, const CoverageMask* coverage)
   picture.pixels.reserve(radiance.texels.size());
   for (size_t k = 0; k < radiance.texels.size(); ++k) {
     const bool is_covered = coverage == nullptr || coverage->At(k);
-    picture.pixels.emplace_back(radiance.texels[k], is_covered ? 1.0f : 0.0f);
+    picture.pixels.push_back(is_covered ? Vec4(radiance.texels[k], 1.0f) : Vec4(0.0f));
   }
   return picture;
 }
@@ -102,8 +102,11 @@ float ExposureFor(const ViewShadow& view, const Picture& picture) {
   return view.radiance ? SuggestExposure(picture) : ExposureForBrightest(picture);
 }
 
-const CoverageMask* CoverageOf(const ShadowTexels& texels) { return texels.coverage.get(); }
-const CoverageMask* CoverageOf(const AttenuationLdi&) { return nullptr; }
+// Texels outside of a receiver repeat those inside, so that filters mix in nothing foreign: they are
+// shown like these.
+const CoverageMask* ShownOf(const SoftShadowTexture&) { return nullptr; }
+const CoverageMask* ShownOf(const AttenuationLdi&) { return nullptr; }
+const CoverageMask* ShownOf(const ViewShadow& view) { return view.coverage.get(); }
 
 absl::Status WriteNumbers(const std::filesystem::path& path, const ShadowTexels& texels,
                           const RadianceTexture& radiance) {
@@ -133,7 +136,7 @@ absl::StatusOr<std::vector<std::string>> WriteBake(const BakeRecord& record,
   const RadianceTexture picture =
       std::visit([](const auto& kind) { return PictureOf(kind); }, payload);
   const Picture shown =
-      std::visit([&](const auto& kind) { return ToPicture(picture, CoverageOf(kind)); }, payload);
+      std::visit([&](const auto& kind) { return ToPicture(picture, ShownOf(kind)); }, payload);
   const float exposure = record.exposure.value_or(
       std::visit([&](const auto& kind) { return ExposureFor(kind, shown); }, payload));
   absl::Status status =

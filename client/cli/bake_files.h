@@ -8,7 +8,9 @@
 //              of a layered attenuation map: a deep file (client/display/deep_exr.h)
 //   NAME.png   the radiance times an exposure, clipped at 1, as sRGB; where there is none, how much
 //              of the light is visible; of a layered attenuation map that of each pixel's nearest
-//              layer, of its faces one below the other
+//              layer, of its faces one below the other. The exposure, if none is given, makes the
+//              brightest channel of all texels 1; of points' radiance it is SuggestExposure(), and
+//              a background is shown where they have no surface
 //   NAME.json  all that is needed to compute the counts again by other means
 #pragma once
 
@@ -26,7 +28,7 @@ struct BakeRecord {
   const Artifact& artifact;
   std::string scene;              // the file, as it was named
   std::string name;               // of the files, without extension
-  std::optional<float> exposure;  // absent: the brightest channel of all texels becomes 1
+  std::optional<float> exposure;  // absent: chosen for the PNG
   double wall_ms = 0.0;           // from asking for the artifact to having it
 };
 

@@ -60,8 +60,13 @@ void Grammar::AddTechnique(CLI::App* app, TechniqueParams& params, TechniquePara
       return status.ok() && also ? set(*also, text) : status;
     };
   };
-  AddTo(app, "--technique", "NAME", "How shadows are computed (default soft_texture)", params,
-        ReadTechnique);
+  Add(app, "--technique", "NAME", "How shadows are computed (default soft_texture)",
+      [&params, also](const std::string& text) {
+        const auto technique = ReadTechnique("--technique", text);
+        if (!technique.ok()) return technique.status();
+        params = also && also->index() == technique->index() ? *also : *technique;
+        return absl::OkStatus();
+      });
   AddRepeated(app, "--set", "NAME=VALUE",
               "A parameter of the technique, as `techniques` lists them",
               [&params](const std::string& text) { return SetParameter("--set", params, text); });
@@ -216,6 +221,7 @@ void Grammar::AddView() {
   AddRepeated(app, "--final-set", "NAME=VALUE",
               "A parameter of coherent_raytrace for --final; --set is for the technique before it",
               [this](const std::string& text) {
+                view_.has_final_settings = true;
                 return SetParameter("--final-set", view_.final_params, text);
               })
       ->needs(final);

@@ -59,14 +59,14 @@ struct BakeCommand {
   EngineChoice engine;
   ShadowRequest request;
   std::filesystem::path out;
-  std::optional<float> exposure;  // absent: the brightest texel becomes white
+  std::optional<float> exposure;  // absent: chosen (WriteBake)
   bool json = false;
 };
 
 struct ViewCommand {
   EngineChoice engine;
   ShadowRequest request;
-  uint32_t max_planar_receivers = 4;
+  std::optional<uint32_t> max_planar_receivers;  // absent: 4
   std::optional<Camera> camera;  // absent: the file's first one, or one that sees everything
   GridSize size{960, 640};
   std::filesystem::path out;
@@ -74,8 +74,9 @@ struct ViewCommand {
   // go up to 65,504 only, whatever the light's strength.
   bool final = false;
   TechniqueParams final_params = CoherentRaytraceParams{.output = RadianceFormat::kFloat32};
-  std::optional<Vec3> ambient;    // absent: a share of the light there is
-  std::optional<float> exposure;  // absent: found from the picture
+  bool has_final_settings = false;  // some of them were given for it alone
+  std::optional<Vec3> ambient;      // absent: a share of the light there is
+  std::optional<float> exposure;    // absent: found from the picture
   bool culls_back_faces = false;
   bool json = false;
 };
@@ -93,12 +94,12 @@ struct WatchCommand {
   std::vector<std::string> light_ids;     // empty: every light of the scene
   std::vector<std::string> receiver_ids;  // empty: every receiver of the scene
   TechniqueParams params;
-  float time_budget_ms = 0;      // 0: none
-  std::optional<Camera> camera;  // what is looked at; absent: nothing
-  GridSize picture{512, 512};    // pixels, of a technique that computes one
-  uint64_t max_updates = 0;      // 0: until interrupted
-  double max_seconds = 0.0;      // 0: until interrupted
-  bool until_final = false;      // every shadow was final once
+  float time_budget_ms = 0;         // 0: none
+  std::optional<Camera> camera;     // what is looked at; absent: nothing
+  std::optional<GridSize> picture;  // pixels, of a technique that computes one; absent: 512×512
+  uint64_t max_updates = 0;         // 0: until interrupted
+  double max_seconds = 0.0;         // 0: until interrupted
+  bool until_final = false;         // every shadow was final once
   bool json = false;
 };
 

@@ -135,8 +135,7 @@ absl::Status Demonstration::Show(const std::string& title, const std::string& pi
 absl::Status Run(const DemoCommand& command, const Console& console, std::stop_token stop) {
   if (InfoOf(command.params).target == SpecTarget::kPoints) {
     return OptionError("--technique", "CONFLICT", {InfoOf(command.params).name},
-                       ", need one whose shadows stay while things move: soft_texture or "
-                       "layered_attenuation");
+                       ", which computes one picture, need a technique for any view");
   }
   const auto imported = ImportScene(command.scene);
   if (!imported.ok()) return imported.status();

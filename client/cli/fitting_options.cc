@@ -9,13 +9,6 @@
 namespace penumbra {
 namespace {
 
-absl::Status Conflict(std::string_view option, const TechniqueParams& params,
-                      std::string_view need) {
-  return FieldError(absl::StatusCode::kInvalidArgument, "CONFLICT", option,
-                    absl::StrCat("found it with ", std::string(InfoOf(params).name), ", need ",
-                                 std::string(need)));
-}
-
 absl::Status CheckNamesNoReceiver(const ShadowRequest& request) {
   const std::pair<std::string_view, bool> options[] = {
       {"--receiver", !request.receivers.empty()},
@@ -23,7 +16,7 @@ absl::Status CheckNamesNoReceiver(const ShadowRequest& request) {
       {"--every-polygon", request.every_polygon},
   };
   for (const auto& [option, is_given] : options) {
-    if (is_given) return Conflict(option, request.params, "soft_texture: it takes no receivers");
+    if (is_given) return TechniqueConflict(option, request.params, "soft_texture");
   }
   return absl::OkStatus();
 }
@@ -36,12 +29,19 @@ absl::Status CheckNamesNoPoints(const ShadowRequest& request) {
       {"--crop", !points.crop.empty()},          {"--first", !points.first.empty()},
   };
   for (const auto& [option, is_given] : options) {
-    if (is_given) return Conflict(option, request.params, "--technique coherent_raytrace");
+    if (is_given) return TechniqueConflict(option, request.params, "coherent_raytrace");
   }
   return absl::OkStatus();
 }
 
 }  // namespace
+
+absl::Status TechniqueConflict(std::string_view option, const TechniqueParams& params,
+                               std::string_view need) {
+  return FieldError(absl::StatusCode::kInvalidArgument, "CONFLICT", option,
+                    absl::StrCat("found the technique ", std::string(InfoOf(params).name),
+                                 ", which has no use for it, need ", std::string(need)));
+}
 
 absl::Status CheckOptionsFit(const ShadowRequest& request) {
   const SpecTarget target = InfoOf(request.params).target;
@@ -53,11 +53,11 @@ absl::Status CheckOptionsFit(const ShadowRequest& request) {
   }
   if (!request.texels) return absl::OkStatus();
   if (target == SpecTarget::kScene) {
-    return Conflict(request.texels_option, request.params, "--set resolution=PIXELS");
+    return TechniqueConflict(request.texels_option, request.params, "--set resolution=PIXELS");
   }
   if (target == SpecTarget::kPoints && request.points.lightmaps.empty()) {
-    return Conflict(request.texels_option, request.params,
-                    "a --lightmap with it: a picture's size is another option");
+    return TechniqueConflict(request.texels_option, request.params,
+                             "an option for the picture's size, or a lightmap");
   }
   return absl::OkStatus();
 }

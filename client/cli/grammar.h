@@ -32,7 +32,7 @@ class Grammar {
   void AddScene(CLI::App* app, std::filesystem::path& scene);
   void AddRequest(CLI::App* app, ShadowRequest& request, const char* size_name);
   void AddLights(CLI::App* app, ShadowRequest& request);
-  // Samples and a seed are given to `also` too.
+  // Samples and a seed are given to `also` too, whose values are the defaults of its technique.
   void AddTechnique(CLI::App* app, TechniqueParams& params, TechniqueParams* also = nullptr);
   void AddPoints(CLI::App* app, PointRequest& points);
   void AddBake();

@@ -28,7 +28,7 @@ int RunProgram(const std::vector<std::string>& arguments) {
       .out = std::cout, .err = std::cerr, .err_is_terminal = isatty(STDERR_FILENO) != 0};
   const absl::Status status = penumbra::RunCommand(*command, console, interrupt.token());
   if (status.ok()) return 0;
-  // Options that contradict each other, or the technique: told only once the scene is there.
+  // Options that contradict each other, or the technique.
   const bool is_of_an_option = status.code() == absl::StatusCode::kInvalidArgument &&
                                penumbra::ErrorFieldPath(status).starts_with("--");
   return Fail(status, is_of_an_option ? 2 : 1);

@@ -8,11 +8,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/cli/fitting_options.h"
 #include "client/cli/numbers.h"
 #include "client/cli/option_error.h"
 #include "client/cli/option_values.h"
 #include "client/cli/shading_options.h"
-#include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
@@ -172,9 +172,7 @@ absl::Status SetParameter(std::string_view option, TechniqueParams& params, std:
 
 absl::StatusOr<SoftTextureParams*> OfSoftTexture(std::string_view option, TechniqueParams& params) {
   if (auto* own = std::get_if<SoftTextureParams>(&params)) return own;
-  return FieldError(absl::StatusCode::kInvalidArgument, "CONFLICT", option,
-                    absl::StrCat("found it with ", std::string(InfoOf(params).name),
-                                 ", need soft_texture: no other technique has this option"));
+  return TechniqueConflict(option, params, SoftTextureParams::kInfo.name);
 }
 
 }  // namespace penumbra

@@ -38,7 +38,7 @@ absl::StatusOr<GivenPoints> ReadPoints(const std::filesystem::path& path) {
   for (size_t number = 1; std::getline(file, line); ++number) {
     line.resize(std::min(line.size(), line.find('#')));
     if (line.find_first_not_of(" \t\r,") == std::string::npos) continue;
-    const std::string where = absl::StrCat("--points: ", path.string(), ":", number);
+    const std::string where = absl::StrCat(path.string(), ":", number);
     const auto numbers = ParseNumbers(where, line);
     if (!numbers.ok()) return numbers.status();
     if (numbers->size() != 6) {

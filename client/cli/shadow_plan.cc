@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/cli/fitting_options.h"
 #include "client/cli/option_error.h"
 #include "client/cli/surface_plan.h"
 #include "render/scene/field_error.h"
@@ -181,7 +180,6 @@ std::vector<PlannedShadow> ShadowsOf(const ShadowPlan& plan, const TechniquePara
 
 absl::StatusOr<ShadowPlan> PlanShadows(const ImportedScene& imported,
                                        const ShadowRequest& request) {
-  if (absl::Status status = CheckOptionsFit(request); !status.ok()) return status;
   ShadowPlan plan;
   plan.notes = imported.warnings;
   plan.delta.upsert_instances = imported.instances;

@@ -25,11 +25,13 @@ struct ShadowPlan {
   std::vector<std::string> notes;  // what was chosen where the request left it open, one line each
 };
 
+// The request has passed CheckOptionsFit.
+//
 // For techniques that compute on all surfaces, or at points, the floor is an instance, which casts
 // and is seen; for others it is a receiver.
 //
 // Errors  kNotFound, reason UNKNOWN_ID: no such light or instance in the file; kInvalidArgument,
-//         CONFLICT: lights named besides all of them; those of CheckOptionsFit and PlanPoints
+//         CONFLICT: lights named besides all of them; those of PlanPoints
 absl::StatusOr<ShadowPlan> PlanShadows(const ImportedScene& imported, const ShadowRequest& request);
 
 // A patch at the bottom of `bounds`, centred, its edges three times the horizontal ones, front up,

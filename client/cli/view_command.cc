@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/compute_shadow.h"
 #include "client/cli/draw_scene.h"
+#include "client/cli/fitting_options.h"
 #include "client/cli/open_engine.h"
 #include "client/cli/output_files.h"
 #include "client/cli/run_command.h"
@@ -21,6 +22,8 @@ namespace penumbra {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr uint32_t kPlanarReceivers = 4;
 
 // Adds the scene's own flat surfaces where the request names none, or a floor where there are none.
 ShadowRequest WithReceivers(ShadowRequest request, const ImportedScene& imported, size_t count) {
@@ -98,20 +101,34 @@ absl::Status Draw(const ViewCommand& command, const Camera& camera, const Scene&
   return absl::OkStatus();
 }
 
+absl::Status CheckOptionsFit(const ViewCommand& command) {
+  const TechniqueParams& params = command.request.params;
+  const SpecTarget target = InfoOf(params).target;
+  if (command.max_planar_receivers && target != SpecTarget::kReceiver) {
+    return TechniqueConflict("--receivers", params, "soft_texture");
+  }
+  if (command.has_final_settings && target == SpecTarget::kPoints) {
+    return TechniqueConflict("--final-set", params, "--set");
+  }
+  return CheckOptionsFit(command.request);
+}
+
 }  // namespace
 
 absl::Status Run(const ViewCommand& command, const Console& console, std::stop_token stop) {
+  absl::Status status = CheckPicturePath(command.out);
+  if (status.ok()) status = CheckOptionsFit(command);
+  if (!status.ok()) return status;
   const auto imported = ImportScene(command.request.scene);
   if (!imported.ok()) return imported.status();
-  const ShadowRequest request =
-      WithReceivers(command.request, *imported, command.max_planar_receivers);
+  const ShadowRequest request = WithReceivers(
+      command.request, *imported, command.max_planar_receivers.value_or(kPlanarReceivers));
   auto plan = PlanShadows(*imported, request);
   if (!plan.ok()) return plan.status();
   if (request.floor && !command.request.floor) {
     plan->notes.push_back("no flat instance receives: a floor under the scene does");
   }
-  absl::Status status = CheckPicturePath(command.out);
-  if (status.ok()) status = PrepareOutputFile(command.out);
+  status = PrepareOutputFile(command.out);
   if (!status.ok()) return status;
 
   const auto engine = OpenEngine(command.engine);

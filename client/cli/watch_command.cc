@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/fitting_options.h"
 #include "client/cli/option_error.h"
 #include "client/cli/run_command.h"
 #include "client/session/remote_engine.h"
@@ -174,8 +175,7 @@ absl::StatusOr<std::vector<std::string>> ReceiversFor(const WatchCommand& comman
     return Chosen("--receiver", command.receiver_ids, scene.receivers());
   }
   if (!command.receiver_ids.empty()) {
-    return OptionError("--receiver", "CONFLICT", {command.receiver_ids.front()},
-                       ", need none for this technique");
+    return TechniqueConflict("--receiver", command.params, "soft_texture");
   }
   if (target == SpecTarget::kPoints && !command.camera) {
     return OptionError("--technique", "MISSING_OPTION", {InfoOf(command.params).name},
@@ -188,9 +188,9 @@ ArtifactSpec SpecOf(const WatchCommand& command, const std::string& light_id,
                     const std::string& receiver_id) {
   ArtifactSpec spec{command.params, light_id, receiver_id, command.time_budget_ms};
   if (InfoOf(command.params).target == SpecTarget::kPoints) {
-    spec.points = PicturePixels{.camera = *command.camera,
-                                .width = command.picture.width,
-                                .height = command.picture.height};
+    const GridSize size = command.picture.value_or(GridSize{512, 512});
+    spec.points =
+        PicturePixels{.camera = *command.camera, .width = size.width, .height = size.height};
   }
   return spec;
 }
@@ -198,6 +198,9 @@ ArtifactSpec SpecOf(const WatchCommand& command, const std::string& light_id,
 }  // namespace
 
 absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
+  if (command.picture && InfoOf(command.params).target != SpecTarget::kPoints) {
+    return TechniqueConflict("--picture", command.params, "coherent_raytrace");
+  }
   const auto engine = RemoteEngine::Connect({.address = command.engine.server});
   if (!engine.ok()) return engine.status();
   const auto scene = SceneOf(**engine, command.scene_id);

@@ -18,7 +18,7 @@ class CellMask {
   CellMask() = default;
   explicit CellMask(uint32_t side) : side_(side) {}
 
-  static CellMask All(uint32_t side) {
+  [[gnu::always_inline]] static CellMask All(uint32_t side) {
     CellMask all(side);
     for (uint32_t y = 0; y < side; ++y) all.rows_[y] = all.FullRow();
     return all;
@@ -52,32 +52,32 @@ class CellMask {
     }
     return count;
   }
-  bool empty() const {
+  [[gnu::always_inline]] bool empty() const {
     uint32_t any = 0;
     ForRows([&](uint32_t y) { any |= rows_[y]; });
     return any == 0;
   }
 
-  CellMask& operator|=(const CellMask& other) {
+  [[gnu::always_inline]] CellMask& operator|=(const CellMask& other) {
     ForRows([&](uint32_t y) { rows_[y] |= other.rows_[y]; });
     return *this;
   }
-  CellMask& operator&=(const CellMask& other) {
+  [[gnu::always_inline]] CellMask& operator&=(const CellMask& other) {
     ForRows([&](uint32_t y) { rows_[y] &= other.rows_[y]; });
     return *this;
   }
   // Without those of `other`.
-  CellMask& operator-=(const CellMask& other) {
+  [[gnu::always_inline]] CellMask& operator-=(const CellMask& other) {
     ForRows([&](uint32_t y) { rows_[y] &= ~other.rows_[y]; });
     return *this;
   }
-  friend CellMask operator|(CellMask a, const CellMask& b) { return a |= b; }
-  friend CellMask operator&(CellMask a, const CellMask& b) { return a &= b; }
-  friend CellMask operator-(CellMask a, const CellMask& b) { return a -= b; }
+  [[gnu::always_inline]] friend CellMask operator|(CellMask a, const CellMask& b) { return a |= b; }
+  [[gnu::always_inline]] friend CellMask operator&(CellMask a, const CellMask& b) { return a &= b; }
+  [[gnu::always_inline]] friend CellMask operator-(CellMask a, const CellMask& b) { return a -= b; }
   friend bool operator==(const CellMask&, const CellMask&) = default;
 
   // With the four neighbours of each cell.
-  CellMask Dilated() const {
+  [[gnu::always_inline]] CellMask Dilated() const {
     std::array<uint32_t, kMaxSide + 2> above{};  // rows, one further down
     ForRows([&](uint32_t y) { above[y + 1] = rows_[y]; });
     CellMask dilated(side_);
@@ -89,11 +89,13 @@ class CellMask {
     return dilated;
   }
   // The cells that have a neighbour, of four, on the other side of the set's edge.
-  CellMask Boundary() const { return Dilated() & (All(side_) - *this).Dilated(); }
+  [[gnu::always_inline]] CellMask Boundary() const {
+    return Dilated() & (All(side_) - *this).Dilated();
+  }
 
   // Calls `visit(cell)` block by block of 4×4 cells, so that neighbours come close to each other.
   template <typename Visit>
-  void ForEach(Visit visit) const {
+  [[gnu::always_inline]] void ForEach(Visit visit) const {
     for (uint32_t y = 0; y < side_; y += kBlockSide) {
       for (uint32_t x = 0; x < side_; x += kBlockSide) {
         for (uint32_t block = BlockAt(x, y); block != 0; block &= block - 1) {
@@ -118,7 +120,7 @@ class CellMask {
 
   // All rows that may have cells, so many at once that they are a few vector instructions.
   template <typename Visit>
-  void ForRows(Visit visit) const {
+  [[gnu::always_inline]] void ForRows(Visit visit) const {
     for (uint32_t y = 0; y < kMaxSide / 2; ++y) visit(y);
     if (side_ <= kMaxSide / 2) return;
     for (uint32_t y = kMaxSide / 2; y < kMaxSide; ++y) visit(y);

@@ -12,6 +12,7 @@
 #define PENUMBRA_COHERENT_SAMPLER_INL_H_
 #endif
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -67,13 +68,18 @@ class CoherentSampler {
   void Take(const TracedRays& rays);
   // The cells whose samples the point sees.
   CellMask visible() const { return all_ - blocked_ - below_; }
-  bool has_blockers() const { return blocker_count_ > 0; }
+  bool has_blockers() const { return blockers_end_ > blockers_begin_; }
 
   const LightSquare::Seen& seen() const { return seen_; }
   uint64_t sample_seed() const { return sample_seed_; }
 
  private:
+  // Room for what is added until what is left out is moved over.
+  static constexpr size_t kSpareBlockers = 4096;
+
   void AddBlockers(const TracedRays& rays);
+  void MakeRoom(size_t more);
+  void ForgetBlockers() { blockers_begin_ = blockers_end_ = 0; }
   // The cells that blockers hide. Keeps the newest blocker of each part.
   CellMask Predict(PartTable& parts);
   // Of the cells, those with a blocker in the part that their sample is in.
@@ -96,8 +102,9 @@ class CoherentSampler {
   bool has_previous_ = false;
   Vec3 previous_{0.0f};  // or, once it has begun, the point at hand
   CellMask unknown_;  // cells of which the point before told nothing that holds for its neighbours
-  std::vector<Vec4> blockers_;  // padded; their last coordinates say nothing
-  size_t blocker_count_ = 0;
+  // Those from begin to end; padded; their last coordinates say nothing.
+  std::vector<Vec4> blockers_;
+  size_t blockers_begin_ = 0, blockers_end_ = 0;
   std::vector<uint32_t> part_;  // that each blocker hides
   uint32_t turn_ = 0;
 };
@@ -114,7 +121,7 @@ inline CoherentSampler::CoherentSampler(const LightSquare& square, const Samplin
 inline void CoherentSampler::Restart() {
   has_previous_ = false;
   turn_ = 0;
-  blocker_count_ = 0;
+  ForgetBlockers();
   todo_ = blocked_ = below_ = predicted_ = unknown_ = CellMask(settings_.side);
 }
 
@@ -128,9 +135,11 @@ inline void CoherentSampler::ContinueFrom(const CoherentSampler& other) {
   has_previous_ = other.has_previous_;
   previous_ = other.previous_;
   unknown_ = other.unknown_;
-  blockers_.assign(other.blockers_.begin(), other.blockers_.begin() + other.blocker_count_);
-  blockers_.resize(other.blocker_count_ + kSamplerLanes);
-  blocker_count_ = other.blocker_count_;
+  ForgetBlockers();
+  const size_t count = other.blockers_end_ - other.blockers_begin_;
+  MakeRoom(count);
+  std::copy_n(other.blockers_.begin() + other.blockers_begin_, count, blockers_.begin());
+  blockers_end_ = count;
   turn_ = other.turn_;
 }
 

@@ -18,8 +18,10 @@ namespace HWY_NAMESPACE {
 
 inline CellMask CoherentSampler::Predict(PartTable& parts) {
   if (part_.size() < blockers_.size()) part_.resize(blockers_.size());
-  seen_.PartsBehind(grid_, blockers_.data(), blocker_count_, part_.data());
-  blocker_count_ = parts.KeepLast({part_.data(), blocker_count_}, blockers_.data());
+  const size_t count = blockers_end_ - blockers_begin_;
+  Vec4* const blockers = blockers_.data() + blockers_begin_;
+  seen_.PartsBehind(grid_, blockers, count, part_.data());
+  blockers_begin_ = blockers_end_ - parts.KeepLast({part_.data(), count}, blockers);
   return parts.Cells(settings_.side);
 }
 
@@ -67,7 +69,7 @@ inline void CoherentSampler::Begin(const SurfacePoint& point, uint64_t point_ind
   previous_ = point.position, has_previous_ = true;
   if (lit == all_) {
     // No blocker hides any of it: they are forgotten as if each had been projected.
-    blocker_count_ = 0;
+    ForgetBlockers();
     unknown_ = CellMask(settings_.side);
     return;
   }
@@ -80,7 +82,7 @@ inline void CoherentSampler::Begin(const SurfacePoint& point, uint64_t point_ind
     todo_ = open & (blocked_.Boundary() | tables.exterior[turn_] | unknown_);
     turn_ = turn_ + 1 < settings_.exterior_turns ? turn_ + 1 : 0;
   } else {
-    blocker_count_ = 0;
+    ForgetBlockers();
     todo_ = open;
   }
   predicted_ = open - todo_;
@@ -103,17 +105,28 @@ inline void CoherentSampler::Take(const TracedRays& rays) {
 }
 
 inline void CoherentSampler::AddBlockers(const TracedRays& rays) {
-  const size_t most = blocker_count_ + rays.cell.size() + kSamplerLanes;
-  if (blockers_.size() < most) blockers_.resize(2 * most);
-  Vec4* const blockers = blockers_.data();
-  size_t count = blocker_count_;
-  for (size_t i = 0; i < rays.cell.size(); ++i) {
-    const Vec3 target(rays.x[i], rays.y[i], rays.z[i]);
-    const Vec3 way = square_.is_at_infinity() ? target : target - previous_;
-    blockers[count] = Vec4(previous_ + rays.blocked_at[i] * way, 0.0f);
-    count += rays.blocked_at[i] != kUnblocked;
+  const size_t count = rays.blocked_at.size();
+  MakeRoom(count);
+  Vec4* next = blockers_.data() + blockers_end_;
+  const Vec3 from = square_.is_at_infinity() ? Vec3(0.0f) : previous_;
+  for (size_t i = 0; i < count; ++i) {
+    const Vec3 way = Vec3(rays.x[i], rays.y[i], rays.z[i]) - from;
+    *next = Vec4(previous_ + rays.blocked_at[i] * way, 0.0f);
+    next += rays.blocked_at[i] != kUnblocked;
   }
-  blocker_count_ = count;
+  blockers_end_ = static_cast<size_t>(next - blockers_.data());
+}
+
+// Of as many blockers more, behind the last.
+inline void CoherentSampler::MakeRoom(size_t more) {
+  const size_t needed = blockers_end_ + more + kSamplerLanes;
+  if (needed <= blockers_.size()) return;
+  // Once in many points: what is kept moves up by what is not at each of them.
+  std::copy(blockers_.begin() + blockers_begin_, blockers_.begin() + blockers_end_,
+            blockers_.begin());
+  blockers_end_ -= blockers_begin_;
+  blockers_begin_ = 0;
+  blockers_.resize(std::max(blockers_.size(), kSpareBlockers + 2 * (blockers_end_ + more)));
 }
 
 }  // namespace HWY_NAMESPACE

@@ -40,7 +40,7 @@ class LightSquare {
    public:
     // A position, or of lights at infinity a unit direction.
     Vec3 TargetAt(Vec2 square) const;
-    // The same of many, and they may be more by up to kSamplerLanes.
+    // The same of many, in padded arrays, as those below (kSamplerLanes).
     void TargetsAt(size_t count, const float* u, const float* v, float* x, float* y,
                    float* z) const {
       penumbra::TargetsAt(view_, count, u, v, x, y, z);

@@ -37,7 +37,7 @@ class PartTable {
     cell_of_part_[grid.off()] = kNoCell;
   }
 
-  // Forgets what was kept before. The last blocker of each part goes to the front, in their order.
+  // Forgets what was kept before. The last blocker of each part goes to the end, in their order.
   // Returns how many these are.
   //
   // part  that each blocker hides (PartsBehind)
@@ -82,7 +82,6 @@ inline size_t PartTable::KeepLast(std::span<const uint32_t> part, Vec4* blockers
     of_parts[p] = mark;
     of_cells[cell_of_part[p]] = mark;
   }
-  std::copy(blockers + kept, blockers + part.size(), blockers);
   return part.size() - kept;
 }
 

@@ -26,7 +26,8 @@ struct SampleBatch {
   // At most kMax in all.
   //
   // sample_seed  the point's SampleSeed
-  void Add(const CellMask& cells, const CellGrid& grid, uint64_t sample_seed) {
+  [[gnu::always_inline]] void Add(const CellMask& cells, const CellGrid& grid,
+                                  uint64_t sample_seed) {
     const size_t first = count;
     cells.ForEach([&](uint32_t its_cell) { cell[count++] = its_cell; });
     PlaceSamples(grid, sample_seed, &cell[first], count - first,

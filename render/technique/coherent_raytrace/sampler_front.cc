@@ -142,7 +142,8 @@ void Front::PlaceTargets() {
     sampler.seen().TargetsAt(end - first, &samples_.u[first], &samples_.v[first], &x_[first],
                              &y_[first], &z_[first]);
   };
-  if (square_.kind() == LightSquare::Kind::kRectangle) {
+  // Of a sphere each point sees another disc.
+  if (square_.kind() != LightSquare::Kind::kSphere) {
     return place(samplers_[0], 0, samples_.count);
   }
   size_t first = 0;

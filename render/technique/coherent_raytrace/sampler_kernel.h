@@ -9,7 +9,7 @@
 
 namespace penumbra {
 
-// Arrays that the functions below write are padded to this many.
+// Arrays that samplers' kernels read or write are padded: they have room for this many more.
 inline constexpr size_t kSamplerLanes = 16;
 
 // A grid of side² cells, each divided into parts²; part (x, y) of all is number y · along() + x,

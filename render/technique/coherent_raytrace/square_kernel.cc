@@ -262,7 +262,10 @@ HWY_EXPORT(WeightsAt);
 void PartsBehind(const SquareView& view, const CellGrid& grid, const Vec4* blockers, size_t count,
                  uint32_t* part) {
   const uint32_t middle = grid.along() / 2;
-  if (IsSingle(view)) std::fill_n(part, count, middle * grid.along() + middle);
+  if (IsSingle(view)) {
+    std::fill_n(part, count, middle * grid.along() + middle);
+    return;
+  }
   HWY_DYNAMIC_DISPATCH(PartsBehind)(view, grid, blockers, count, part);
 }
 
@@ -271,13 +274,17 @@ void TargetsAt(const SquareView& view, size_t count, const float* u, const float
   const Vec3 only = view.kind == SquareKind::kDirection ? view.n : view.origin;
   if (IsSingle(view)) {
     std::fill_n(x, count, only.x), std::fill_n(y, count, only.y), std::fill_n(z, count, only.z);
+    return;
   }
   HWY_DYNAMIC_DISPATCH(TargetsAt)(view, count, u, v, x, y, z);
 }
 
 void WeightsAt(const SquareView& view, const Vec3& normal, size_t count, const float* s,
                const float* t, float* weight) {
-  if (IsSingle(view)) std::fill_n(weight, count, 1.0f);
+  if (IsSingle(view)) {
+    std::fill_n(weight, count, 1.0f);
+    return;
+  }
   HWY_DYNAMIC_DISPATCH(WeightsAt)(view, normal, count, s, t, weight);
 }
 

@@ -14,19 +14,25 @@ namespace penumbra {
 // What a square stands for: a light's shape. That of a distant light with an extent is the sky.
 enum class SquareKind { kRectangle, kDisk, kSphere, kSky, kPoint, kDirection };
 
-// How a square is seen from a point. A place on the light is two coordinates along u and v from the
-// origin: of a rectangle those on the square, of the others those on a disc of radius 1, which the
-// concentric map makes of the square.
+// How a square is seen from a point. A place on the light is a pair (s, t): on a rectangle that of
+// the square itself, else one on the disc of radius 1 that the concentric map makes of the square.
+//
+//   rectangle, disk   origin + s · u + t · v; n across both; the origin is the corner or the middle
+//   sphere            origin + radius · (s · u + t · v − √(1 − s² − t²) · n); n towards its middle
+//   sky               the direction radius · (s · u + t · v) + √(1 − radius² · (s² + t²)) · n
 struct SquareView {
   SquareKind kind = SquareKind::kPoint;
   Vec3 point{0.0f};
-  Vec3 origin{0.0f};                     // the square's (0, 0), or the disc's middle
-  Vec3 u{0.0f}, v{0.0f}, n{0.0f};        // along the square or the disc's radii; n of length 1
-  Vec3 dual_u{0.0f}, dual_v{0.0f};       // dot(u, dual_u) = 1, across v
+  Vec3 origin{0.0f};
+  Vec3 u{0.0f}, v{0.0f}, n{0.0f};        // n of length 1; of a sphere and of the sky u and v too
+  Vec3 dual_u{0.0f}, dual_v{0.0f};       // dot(u, dual_u) = 1, across v: of rectangle and disk
   float height = 0.0f;                   // of the light's plane over the point, along n
   float along_u = 0.0f, along_v = 0.0f;  // the point's own place on the light's plane
   float radius = 0.0f;                   // of a sphere; of the sky the sine of half its angle
 };
+
+// All arrays below, those read too, are padded (kSamplerLanes). Two instruction sets differ by
+// rounding: one has fused multiplications and another does not.
 
 // The parts that blockers hide, or CellGrid::off for those that hide nothing of the light. Their
 // last coordinates say nothing.

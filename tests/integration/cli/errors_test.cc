@@ -80,23 +80,36 @@ TEST_F(ErrorsTest, ScenesThatCannotBeComputed) {
 }
 
 TEST_F(ErrorsTest, OptionsOfAnotherTechnique) {
-  const std::vector<std::string> layers = {"--technique", "layered_attenuation"};
-  const auto with = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), layers.begin(), layers.end());
-    return Bake(more);
+  const std::string layers = "layered_attenuation", none = folder_ / "none.glb";
+  // Told before the scene is read.
+  ExpectError({"bake", none, "--out", folder_ / "out", "--technique", layers, "--size", "64"},
+              "--size: found the technique layered_attenuation, which has no use for it", 2);
+  ExpectError(Bake({"--technique", layers, "--method", "gl"}), "--method: found the technique", 2);
+  ExpectError(Bake({"--lightmap", "box"}), "need coherent_raytrace", 2);
+  const std::vector<std::string> view = {"view", none, "--out", folder_ / "v.png", "--technique"};
+  const auto View = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = view;
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
   };
-  ExpectError(with({"--size", "64"}), "--size: found it with layered_attenuation, need --set res",
-              2);
-  ExpectError(with({"--receiver-instance", "floor"}), "--receiver-instance: found it with lay", 2);
-  ExpectError(with({"--crop", "0 0 8 8"}), "--crop: found it with layered_attenuation", 2);
-  ExpectError(with({"--method", "gl"}), "--method: found it with layered_attenuation", 2);
-  ExpectError(Bake({"--lightmap", "box"}), "--lightmap: found it with soft_texture", 2);
-  ExpectError({"view", scene_, "--out", folder_ / "v.png", "--technique", "coherent_raytrace",
-               "--texture-size", "64"},
-              "--texture-size: found it with coherent_raytrace", 2);
+  ExpectError(View({"coherent_raytrace", "--texture-size", "64"}), "--texture-size: found the", 2);
+  ExpectError(View({layers, "--receivers", "2"}), "--receivers: found the technique", 2);
+  ExpectError(View({"coherent_raytrace", "--final", "--final-set", "seed=2"}), "need --set", 2);
   ExpectError({"demo", scene_, "--server", "127.0.0.1:1", "--out", folder_ / "demo", "--technique",
                "coherent_raytrace"},
               "--technique: found \"coherent_raytrace\"", 2);
+}
+
+TEST_F(ErrorsTest, PointsThatCannotBeRead) {
+  std::ofstream(folder_ / "points.txt") << "0 1 0  0 1 0\n0 1 0\n";
+  const std::vector<std::string> points = {"--technique", "coherent_raytrace", "--points"};
+  const auto At = [&](const std::string& file) {
+    std::vector<std::string> words = points;
+    words.push_back(folder_ / file);
+    return Bake(words);
+  };
+  ExpectError(At("points.txt"), "points.txt:2: found 3 numbers, need 6");
+  ExpectError(At("none.txt"), "none.txt");
 }
 
 TEST_F(ErrorsTest, ServersThatAreNotThere) {

@@ -85,10 +85,6 @@ TEST(PointPlan, SaysWhatIsWrong) {
   const CoherentRaytraceParams coherent;
   EXPECT_EQ(fault([](auto& r) { r.points.lightmaps = {"tent"}; }, coherent).substr(0, 1), " ");
   EXPECT_EQ(fault([](auto& r) { r.points.crop = {600, 0, 10, 10}; }, coherent), "--picture RANGE");
-  EXPECT_EQ(fault([](auto& r) { r.receiver_instances = {"sail"}; }, coherent),
-            "--receiver-instance CONFLICT");
-  EXPECT_EQ(fault([](auto& r) { r.every_polygon = true; }, LayeredAttenuationParams{}),
-            "--every-polygon CONFLICT");
   const std::string path = testing::TempDir() + "/penumbra_bad_points.txt";
   std::ofstream(path) << "0 1 0  0 1 0\n0 1 0\n";
   EXPECT_EQ(ErrorReason(ReadPoints(path).status()), "NUMBER_COUNT");

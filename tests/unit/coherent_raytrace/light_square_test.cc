@@ -19,11 +19,14 @@ namespace {
 
 constexpr CellGrid kFine{.side = 32, .parts = 4};
 
-uint32_t PartBehind(const LightSquare::Seen& seen, Vec3 blocker) {
-  const std::vector<Vec4> blockers(kSamplerLanes, Vec4(blocker, 0.0f));
-  uint32_t parts[kSamplerLanes];
-  seen.PartsBehind(kFine, blockers.data(), 1, parts);
-  return parts[0];
+std::vector<uint32_t> PartsBehind(const LightSquare::Seen& seen,
+                                  const std::vector<Vec3>& blockers) {
+  std::vector<Vec4> padded(blockers.size() + kSamplerLanes, Vec4(1e9f));
+  for (size_t i = 0; i < blockers.size(); ++i) padded[i] = Vec4(blockers[i], 0.0f);
+  std::vector<uint32_t> parts(padded.size());
+  seen.PartsBehind(kFine, padded.data(), blockers.size(), parts.data());
+  parts.resize(blockers.size());
+  return parts;
 }
 
 // How many parts of the fine grid `at` is from the middle of a part, along the farther axis.
@@ -34,32 +37,89 @@ float PartsApart(uint32_t part, Vec2 at) {
   return std::max(apart.x, apart.y);
 }
 
+// Some places of a light that a ray from the point gets to, and the ways there.
+struct PlacesSeen {
+  std::vector<Vec2> at;
+  std::vector<Vec3> ways;
+};
+
+PlacesSeen SomePlaces(testing::Dice& dice, const AreaLight& light, Vec3 point, size_t count) {
+  const LightSquare square(light);
+  const LightSquare::Seen seen = square.From(point);
+  PlacesSeen places;
+  for (size_t tries = 0; tries < 4 * count && places.at.size() < count; ++tries) {
+    const Vec2 at(dice.Between(0.02f, 0.98f), dice.Between(0.02f, 0.98f));
+    const Vec3 target = seen.TargetAt(at);
+    const Vec3 way = square.is_at_infinity() ? target : target - point;
+    const auto* sphere = std::get_if<SphereLight>(&light.shape);
+    // The ray may meet the sphere before it gets there.
+    if (sphere && glm::dot(way, target - sphere->center) > -0.05f) continue;
+    places.at.push_back(at);
+    places.ways.push_back(way);
+  }
+  return places;
+}
+
 TEST(LightSquareTest, ABlockerOnTheWayToAPlaceHidesThatPlace) {
   testing::Dice dice(1);
   size_t compared = 0;
-  for (int i = 0; i < 6000; ++i) {
+  for (int i = 0; i < 300; ++i) {
     const AreaLight light = testing::RandomLight(dice, i % testing::kLightKinds);
     const LightSquare square(light);
     if (square.is_single()) continue;
     const Vec3 point = dice.InCube(3);
-    const LightSquare::Seen seen = square.From(point);
-    const Vec2 at(dice.Between(0.02f, 0.98f), dice.Between(0.02f, 0.98f));
-    const Vec3 target = seen.TargetAt(at);
-    const Vec3 way = square.is_at_infinity() ? target : target - point;
-    if (square.kind() == LightSquare::Kind::kSphere &&
-        glm::dot(way, target - std::get<SphereLight>(light.shape).center) > -0.05f) {
-      continue;  // the ray meets the sphere before it gets there
+    const PlacesSeen places = SomePlaces(dice, light, point, 37);  // not a number of lanes
+    const auto parts_behind = [&](float from, float to) {
+      std::vector<Vec3> blockers;
+      for (const Vec3 way : places.ways) blockers.push_back(point + dice.Between(from, to) * way);
+      return PartsBehind(square.From(point), blockers);
+    };
+    const std::vector<uint32_t> before = parts_behind(0.3f, 0.9f);
+    for (size_t k = 0; k < before.size(); ++k, ++compared) {
+      ASSERT_NE(before[k], kFine.off()) << i;
+      EXPECT_LT(PartsApart(before[k], places.at[k]), 0.5f + 0.26f) << i;
     }
-    ++compared;
-    const uint32_t part = PartBehind(seen, point + dice.Between(0.3f, 0.9f) * way);
-    ASSERT_NE(part, kFine.off()) << i;
-    EXPECT_LT(PartsApart(part, at), 0.5f + 0.26f) << i;
-    if (!square.is_at_infinity()) {
-      EXPECT_EQ(PartBehind(seen, point + 1.5f * way), kFine.off()) << "behind, " << i;
-    }
-    EXPECT_EQ(PartBehind(seen, point - 0.5f * way), kFine.off()) << "away, " << i;
+    for (const uint32_t part : parts_behind(-0.9f, -0.3f)) EXPECT_EQ(part, kFine.off()) << i;
+    if (square.is_at_infinity()) continue;
+    for (const uint32_t part : parts_behind(1.2f, 1.9f)) EXPECT_EQ(part, kFine.off()) << i;
   }
-  EXPECT_GT(compared, 2500u);
+  EXPECT_GT(compared, 5000u);
+}
+
+// What the lights are, not how they are mapped.
+TEST(LightSquareTest, TargetsAreOnTheLightAndReachItsEdge) {
+  testing::Dice dice(6);
+  const auto targets = [](const LightSquare::Seen& seen) {
+    std::vector<Vec3> all;
+    for (int k = 0; k <= 16; ++k) {
+      for (int j = 0; j <= 16; ++j) all.push_back(seen.TargetAt(Vec2(k, j) / 16.0f));
+    }
+    return all;
+  };
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 point = dice.InCube(3), axis = dice.Direction(), middle = dice.InCube(2);
+    const float radius = dice.Between(0.2f, 0.9f);
+    float furthest = 0, highest = -1, least_cos = 1;
+    const AreaLight disk{.shape = DiskLight{.center = middle, .normal = axis, .radius = radius}};
+    for (const Vec3 target : targets(LightSquare(disk).From(point))) {
+      EXPECT_NEAR(glm::dot(target - middle, axis), 0, 1e-5f);
+      furthest = std::max(furthest, glm::distance(target, middle));
+    }
+    EXPECT_NEAR(furthest, radius, 1e-5f);
+    const AreaLight ball{.shape = SphereLight{.center = middle, .radius = radius}};
+    const Vec3 to_point = glm::normalize(point - middle);
+    for (const Vec3 target : targets(LightSquare(ball).From(point))) {
+      EXPECT_NEAR(glm::distance(target, middle), radius, 1e-5f);
+      EXPECT_GT(glm::dot(target - middle, to_point), -1e-3f);
+      highest = std::max(highest, glm::dot(target - middle, to_point));
+    }
+    EXPECT_NEAR(highest, radius, 1e-5f);
+    const AreaLight sun{.shape = DistantLight{.to_light = axis, .angular_diameter = radius}};
+    for (const Vec3 target : targets(LightSquare(sun).From(point))) {
+      least_cos = std::min(least_cos, glm::dot(target, axis));
+    }
+    EXPECT_NEAR(std::acos(least_cos), 0.5f * radius, 1e-3f);
+  }
 }
 
 TEST(LightSquareTest, ManyTargetsAreThoseOfEach) {
@@ -120,20 +180,27 @@ TEST(LightSquareTest, WeightsIntegrateToTheFormFactor) {
   }
 }
 
-// Of a sphere and of the sky, weights for two normals compare as their irradiances do.
-TEST(LightSquareTest, WeightsOfRoundLightsAreThoseOfSolidAngle) {
-  const Vec3 point(0.0f), upright(0, 1, 0), tilted = glm::normalize(Vec3(1, 1, 0));
-  const AreaLight lights[] = {
-      {.id = "s", .shape = SphereLight{.center = {0, 4, 0}, .radius = 1}},
-      {.id = "d", .shape = DistantLight{.to_light = {0, 1, 0}, .angular_diameter = 0.7f}},
-  };
-  for (const AreaLight& light : lights) {
-    const LightSquare square(light);
-    const double head_on = UnoccludedFactor(light, DVec3(point), DVec3(upright));
-    const double exact = UnoccludedFactor(light, DVec3(point), DVec3(tilted));
-    const double found =
-        Sum(WeightsOf(square, point, tilted, 256)) / Sum(WeightsOf(square, point, upright, 256));
-    EXPECT_NEAR(found, exact / head_on, 0.01) << light.id;
+// The same of round lights, also where the surface's horizon cuts them.
+TEST(LightSquareTest, WeightsOfRoundLightsIntegrateToTheFormFactor) {
+  const Vec3 point(0.3f, 0.1f, -0.2f);
+  const SphereLight ball{.center = {0, 3, 0.5f}, .radius = 1};
+  const DistantLight sun{.to_light = glm::normalize(Vec3(0.2f, 1, 0.1f)), .angular_diameter = 0.9f};
+  constexpr uint32_t kSide = 256;
+  for (const float tilt : {0.0f, 0.4f, 0.9f, 1.3f, 1.5f, 1.7f}) {
+    const Vec3 normal(std::sin(tilt), std::cos(tilt), 0);
+    const auto mean = [&](const AreaLight& light) {
+      return Sum(WeightsOf(LightSquare(light), point, normal, kSide)) / (kSide * kSide);
+    };
+    const AreaLight near{.id = "ball", .shape = ball}, far{.id = "sun", .shape = sun};
+    const double of_ball = UnoccludedFactor(near, DVec3(point), DVec3(normal));
+    EXPECT_NEAR(mean(near) * ball.radius * ball.radius, of_ball, 4e-3 * of_ball + 1e-4) << tilt;
+    // In shares of what falls on a surface that faces it.
+    const Vec3 to_sun = sun.to_light;
+    const double head_on = Sum(WeightsOf(LightSquare(far), point, to_sun, kSide)) / (kSide * kSide);
+    EXPECT_NEAR(head_on, 1.0, 1e-3);
+    const double of_sun = UnoccludedFactor(far, DVec3(point), DVec3(normal)) /
+                          UnoccludedFactor(far, DVec3(point), DVec3(to_sun));
+    EXPECT_NEAR(mean(far) / head_on, of_sun, 4e-3 * of_sun + 2e-3) << tilt;
   }
 }
 
