@@ -102,8 +102,8 @@ float ExposureFor(const ViewShadow& view, const Picture& picture) {
   return view.radiance ? SuggestExposure(picture) : ExposureForBrightest(picture);
 }
 
-// Texels outside of a receiver repeat those inside, so that filters mix in nothing foreign: they are
-// shown like these.
+// Texels outside of a receiver repeat those inside, so that filters mix in nothing foreign: they
+// are shown like these.
 const CoverageMask* ShownOf(const SoftShadowTexture&) { return nullptr; }
 const CoverageMask* ShownOf(const AttenuationLdi&) { return nullptr; }
 const CoverageMask* ShownOf(const ViewShadow& view) { return view.coverage.get(); }

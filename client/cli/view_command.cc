@@ -1,5 +1,6 @@
 // penumbra view: receives textures as any client would, and draws with them.
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -80,6 +81,20 @@ std::vector<PlannedShadow> FinalShadows(const ViewCommand& command, const Shadow
   return ShadowsOf(final_plan, params);
 }
 
+// In the order in which they are computed: those of any view, the final picture's.
+std::vector<PlannedShadow> WantedShadows(const ViewCommand& command, const ShadowPlan& plan,
+                                         const Camera& camera) {
+  // coherent_raytrace makes nothing but final pictures.
+  const TechniqueParams& params = command.request.params;
+  const bool has_views = InfoOf(params).target != SpecTarget::kPoints;
+  std::vector<PlannedShadow> wanted;
+  if (has_views) wanted = ShadowsOf(plan, params);
+  if (command.final || !has_views) {
+    std::ranges::move(FinalShadows(command, plan, camera), std::back_inserter(wanted));
+  }
+  return wanted;
+}
+
 absl::Status Draw(const ViewCommand& command, const Camera& camera, const Scene& scene,
                   const Shadows& shadows, const Console& console) {
   const DrawRequest draw{.size = command.size,
@@ -139,17 +154,9 @@ absl::Status Run(const ViewCommand& command, const Console& console, std::stop_t
   if (!revision.ok()) return revision.status();
   const Camera camera =
       command.camera.value_or(ChooseCamera(*imported, request.floor, command.size));
-  // coherent_raytrace makes nothing but final pictures.
-  const bool is_final = command.final || InfoOf(request.params).target == SpecTarget::kPoints;
   Shadows shadows;
-  if (InfoOf(request.params).target != SpecTarget::kPoints) {
-    status = Receive(**engine, temporary->id(), ShadowsOf(*plan, request.params), console, stop,
-                     shadows);
-  }
-  if (status.ok() && is_final) {
-    status = Receive(**engine, temporary->id(), FinalShadows(command, *plan, camera), console, stop,
-                     shadows);
-  }
+  status = Receive(**engine, temporary->id(), WantedShadows(command, *plan, camera), console, stop,
+                   shadows);
   if (!status.ok()) return status;
   const auto scene = (*engine)->Snapshot(temporary->id());
   if (!scene.ok()) return scene.status();

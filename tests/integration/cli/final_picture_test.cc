@@ -54,7 +54,7 @@ TEST_F(FinalPictureCommandTest, HasOptionsOfItsOwn) {
 TEST_F(FinalPictureCommandTest, IsBakedAsAViewIsExposed) {
   const Finished bake = Run({"bake", scene_, "--technique", "coherent_raytrace", "--samples", "4",
                              "--picture", "64x48", "--camera", "6 7 9, 0 3 0, 60", "--floor",
-                             "--point-light", "0 3 1 5", "--out", folder_ / "out"});
+                             "--point-light", "2 0.15 2 5", "--out", folder_ / "out"});
   ASSERT_EQ(bake.exit_status, 0) << bake.err;
   const Json json = Json::parse(ReadText(folder_ / "out/picture.json"));
   const double exposure = json["png"]["exposure"];
