@@ -6,10 +6,10 @@
 
 namespace penumbra {
 
-DepthSource& AutoDepthSource::SourceFor(DepthMethod method) {
-  if (method == DepthMethod::kRays) {
-    if (!rays_) rays_.emplace(bvhs_.Of(scene_), arena_);
-    return *rays_;
+DepthSource& AutoDepthSource::SourceFor(bool is_drawn) {
+  if (!is_drawn) {
+    uses_split_ = true;
+    return split_;
   }
   if (!raster_) raster_.emplace(scene_, arena_);
   return *raster_;
@@ -20,10 +20,10 @@ absl::Status AutoDepthSource::Draw(std::span<const LightView> views, const std::
   if (absl::Status status = CheckViews(views); !status.ok()) return status;
   for (size_t first = 0; first < views.size();) {
     if (stop.stop_requested()) return absl::CancelledError("stopped");
-    const DepthMethod method = MethodFor(views[first]);
+    const bool is_drawn = IsDrawn(views[first]);
     size_t end = first + 1;
-    while (end < views.size() && MethodFor(views[end]) == method) ++end;
-    absl::Status status = SourceFor(method).Draw(
+    while (end < views.size() && IsDrawn(views[end]) == is_drawn) ++end;
+    absl::Status status = SourceFor(is_drawn).Draw(
         views.subspan(first, end - first), stop,
         [&](size_t index, DepthMap map) { return take(first + index, std::move(map)); });
     if (!status.ok()) return status;
@@ -33,9 +33,8 @@ absl::Status AutoDepthSource::Draw(std::span<const LightView> views, const std::
 }
 
 std::string AutoDepthSource::drawn_by() const {
-  if (raster_ && rays_) return absl::StrCat(raster_->drawn_by(), " and ", rays_->drawn_by());
-  if (raster_) return raster_->drawn_by();
-  return rays_ ? rays_->drawn_by() : std::string(NameOf(DepthMethod::kAuto));
+  if (uses_split_) return split_.drawn_by();
+  return raster_ ? raster_->drawn_by() : std::string(NameOf(DepthMethod::kAuto));
 }
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// Depth maps by whichever of the CPU's ways is cheaper.
+// Depth maps by whichever of the CPU's ways is cheapest.
 //
 //   CasterBvhs bvhs;   // kept, so that hierarchies are built once
 //   AutoDepthSource source(scene, bvhs, arena);
@@ -12,38 +12,41 @@
 #include "render/light_view/depth_method.h"
 #include "render/light_view/depth_source.h"
 #include "render/light_view/raster_depth_source.h"
-#include "render/light_view/ray_depth_source.h"
+#include "render/light_view/split_depth_source.h"
 #include "tbb/task_arena.h"
 
 namespace penumbra {
 
-// Asks for each view CheaperOnCpu, a function of the scene and of the view: the same views give the
-// same bits in any company, in any run and on any number of threads. What rays need is built when
-// the first view is theirs.
+// Asks for each view a model of what it costs, a function of the scene and of the view: the same
+// views give the same bits in any company, in any run and on any number of threads. What rays need
+// is built when the first view is theirs.
 //
-// Cost  the least of both, as far as the model holds. One thread at a time may draw.
+// Cost  the least of all, as far as the model holds. One thread at a time may draw.
 class AutoDepthSource : public DepthSource {
  public:
   // All outlive the source.
   AutoDepthSource(const Scene& scene, CasterBvhs& bvhs, tbb::task_arena& arena)
-      : scene_(scene), bvhs_(bvhs), arena_(arena), sizes_(scene) {}
+      : scene_(scene), arena_(arena), sizes_(scene), split_(scene, bvhs, arena) {}
 
   absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
                     const Take& take) override;
   std::string drawn_by() const override;
 
-  // kRaster or kRays: how `view` is drawn.
-  DepthMethod MethodFor(const LightView& view) const { return CheaperOnCpu(sizes_.WorkOf(view)); }
+  // Whether `view` is drawn as a whole, not split.
+  bool IsDrawn(const LightView& view) const {
+    return RasterNs(sizes_.WorkOf(view)) <= split_.CostNs(view);
+  }
 
  private:
-  DepthSource& SourceFor(DepthMethod method);
+  DepthSource& SourceFor(bool is_drawn);
 
   const Scene& scene_;
-  CasterBvhs& bvhs_;
   tbb::task_arena& arena_;
   const CasterSizes sizes_;
   std::optional<RasterDepthSource> raster_;
-  std::optional<RayDepthSource> rays_;
+  // Rays alone are this where nothing is simple.
+  SplitDepthSource split_;
+  bool uses_split_ = false;
 };
 
 }  // namespace penumbra

@@ -79,10 +79,6 @@ double RaysNs(const DepthWork& work) {
          kRayBoxNs * work.covered + kRayMaskNs * work.masked_filled;
 }
 
-DepthMethod CheaperOnCpu(const DepthWork& work) {
-  return RasterNs(work) <= RaysNs(work) ? DepthMethod::kRaster : DepthMethod::kRays;
-}
-
 CasterSizes::CasterSizes(const Scene& scene) {
   for (const auto& [id, instance] : scene.instances()) {
     const Mesh& mesh = *instance->mesh;

@@ -1,7 +1,7 @@
 // Which way to make a depth map, by what each would cost.
 //
 //   const CasterSizes casters(scene);
-//   if (CheaperOnCpu(casters.WorkOf(view)) == DepthMethod::kRays) …
+//   if (RasterNs(casters.WorkOf(view)) <= RaysNs(casters.WorkOf(view))) …
 #pragma once
 
 #include <array>
@@ -48,9 +48,6 @@ struct DepthWork {
 //         well they hold (docs/adr/0009)
 double RasterNs(const DepthWork& work);
 double RaysNs(const DepthWork& work);
-
-// kRaster or kRays.
-DepthMethod CheaperOnCpu(const DepthWork& work);
 
 // The casting instances of a scene by size.
 class CasterSizes {

@@ -14,6 +14,17 @@ DepthMap NothingSeen(const LightView& view) {
   return map;
 }
 
+size_t ViewsAtOnce(std::span<const LightView> views) {
+  constexpr size_t kMostViews = 8, kMostPixels = size_t{1} << 24;
+  size_t pixels = 0, count = 0;
+  for (const LightView& view : views) {
+    pixels += size_t{view.width} * view.height;
+    if (count > 0 && (count == kMostViews || pixels > kMostPixels)) break;
+    ++count;
+  }
+  return count;
+}
+
 absl::Status CheckViews(std::span<const LightView> views) {
   for (size_t i = 0; i < views.size(); ++i) {
     for (const auto& [name, side] :

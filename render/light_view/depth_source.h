@@ -48,6 +48,10 @@ class DepthSource {
 // The map of a view that sees nothing.
 DepthMap NothingSeen(const LightView& view);
 
+// How many of the views, from the first, are drawn together: eight, but of large ones fewer, whose
+// maps wait for one another.
+size_t ViewsAtOnce(std::span<const LightView> views);
+
 // Errors  kResourceExhausted, VIEW_SIZE, "views[3].width"
 absl::Status CheckViews(std::span<const LightView> views);
 

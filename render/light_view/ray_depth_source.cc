@@ -21,9 +21,6 @@ constexpr uint32_t kPacket = kBlock * kBlock;
 // it 20 to 100 µs.
 constexpr uint32_t kBlocksDown = 4, kBlocksAcross = 8;
 
-// Views that are drawn together; fewer of large ones, whose maps wait for one another.
-constexpr size_t kViewsAtOnce = 8, kPixelsAtOnce = size_t{1} << 24;
-
 // The part of the depths between near and far by which rays from infinitely far begin before near.
 constexpr double kLeadIn = 0x1p-10;
 
@@ -100,17 +97,6 @@ using Blocks = tbb::blocked_range2d<uint32_t>;
 
 uint32_t BlocksOf(uint32_t pixels) { return (pixels + kBlock - 1) / kBlock; }
 
-// How many of the views are drawn at a time.
-size_t PortionOf(std::span<const LightView> views) {
-  size_t pixels = 0, count = 0;
-  for (const LightView& view : views) {
-    pixels += size_t{view.width} * view.height;
-    if (count > 0 && (count == kViewsAtOnce || pixels > kPixelsAtOnce)) break;
-    ++count;
-  }
-  return count;
-}
-
 // Of `blocks` those that the map has.
 void DrawBlocks(RTCScene scene, const ViewRays& view_rays, const Blocks& blocks, DepthMap& map) {
   RTCIntersectContext context;
@@ -142,7 +128,7 @@ absl::Status RayDepthSource::Draw(std::span<const LightView> views, const std::s
   if (!casters_->status().ok()) return casters_->status();
   if (absl::Status status = CheckViews(views); !status.ok()) return status;
   for (size_t first = 0; first < views.size();) {
-    const auto portion = views.subspan(first, PortionOf(views.subspan(first)));
+    const auto portion = views.subspan(first, ViewsAtOnce(views.subspan(first)));
     std::vector<DepthMap> maps = DrawTogether(portion, stop);
     for (DepthMap& map : maps) {
       if (stop.stop_requested()) return absl::CancelledError("stopped");

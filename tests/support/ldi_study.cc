@@ -15,6 +15,7 @@
 #include "client/cli/shadow_plan.h"
 #include "render/light_view/raster_depth_source.h"
 #include "render/light_view/ray_depth_source.h"
+#include "render/light_view/split_depth_source.h"
 #include "render/light_view/view_fit.h"
 #include "render/math/parallel_for.h"
 #include "render/scene/camera.h"
@@ -138,6 +139,7 @@ LdiStudy::LdiStudy(std::shared_ptr<const Scene> scene, int threads)
   bvh_ = bvhs_.Of(*scene_);
   sources_.push_back(std::make_unique<RasterDepthSource>(*scene_, arena_));
   sources_.push_back(std::make_unique<RayDepthSource>(bvh_, arena_));
+  sources_.push_back(std::make_unique<SplitDepthSource>(*scene_, bvhs_, arena_));
   ChooseSource();
   Aabb bounds;
   for (const auto& [id, instance] : scene_->instances()) {

@@ -45,7 +45,7 @@ class LdiStudy {
   const Scene& scene() const { return *scene_; }
   const CameraPoints& camera_points() const { return camera_points_; }
   size_t triangle_count() const { return bvh_->triangle_count(); }
-  bool is_drawn_by_rays() const { return source_ == sources_[1].get(); }
+  bool is_drawn_by_rays() const { return source_ != sources_[0].get(); }  // or partly
 
   // Instead of the way that was the quicker one when the study began.
   void DrawBy(bool rays) { source_ = sources_[rays ? 1 : 0].get(); }

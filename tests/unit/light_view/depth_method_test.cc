@@ -10,6 +10,7 @@
 #include "render/light_view/auto_depth_source.h"
 #include "render/light_view/make_depth_source.h"
 #include "render/scene/field_error.h"
+#include "tests/support/drawn_views.h"
 #include "tests/support/rippled_torus.h"
 #include "tests/support/shapes.h"
 
@@ -62,9 +63,12 @@ TEST(DepthMethodTest, CountsWhatAViewMaySee) {
 TEST(DepthMethodTest, FewTrianglesAreDrawnAndManyOnFewPixelsMetByRays) {
   const auto few = SceneOf({BoxAt("box", Vec3(0))});
   const auto many = SceneOf({{.id = "torus", .mesh = MeshOf(RippledTorus(1000, 250))}});
-  EXPECT_EQ(CheaperOnCpu(CasterSizes(*few).WorkOf(Down(512))), DepthMethod::kRaster);
-  EXPECT_EQ(CheaperOnCpu(CasterSizes(*many).WorkOf(Down(64))), DepthMethod::kRays);
-  EXPECT_EQ(CheaperOnCpu(CasterSizes(*many).WorkOf(Down(4096))), DepthMethod::kRaster);
+  EXPECT_LT(RasterNs(CasterSizes(*few).WorkOf(Down(512))),
+            RaysNs(CasterSizes(*few).WorkOf(Down(512))));
+  EXPECT_GT(RasterNs(CasterSizes(*many).WorkOf(Down(64))),
+            RaysNs(CasterSizes(*many).WorkOf(Down(64))));
+  EXPECT_LT(RasterNs(CasterSizes(*many).WorkOf(Down(4096))),
+            RaysNs(CasterSizes(*many).WorkOf(Down(4096))));
 }
 
 TEST(AutoDepthSourceTest, DrawsEachViewTheCheaperWay) {
@@ -87,7 +91,7 @@ TEST(AutoDepthSourceTest, DrawsEachViewTheCheaperWay) {
   ASSERT_EQ(maps.size(), views.size());
   size_t by_rays = 0;
   for (size_t i = 0; i < views.size(); ++i) {
-    const bool is_rays = source.MethodFor(views[i]) == DepthMethod::kRays;
+    const bool is_rays = !source.IsDrawn(views[i]);
     by_rays += is_rays;
     std::vector<DepthMap> expected;
     DepthSource& one = is_rays ? static_cast<DepthSource&>(rays) : raster;
@@ -98,6 +102,36 @@ TEST(AutoDepthSourceTest, DrawsEachViewTheCheaperWay) {
   std::stop_source stop;
   stop.request_stop();
   EXPECT_EQ(source.Draw(views, stop.get_token(), keep(maps)).code(), absl::StatusCode::kCancelled);
+}
+
+// A model on a wide floor: rays around the model, as many as its box has pixels, and the floor
+// drawn beside it.
+TEST(SplitDepthSourceTest, TracesWhereMoreThanAFewTrianglesMayBeSeen) {
+  Instance floor{.id = "floor", .mesh = MeshOf(UnitSquareGeometry())};
+  floor.world_from_mesh = Placed(Vec3(0, -1, 0), 8.0f);
+  const auto scene =
+      SceneOf({{.id = "torus", .mesh = MeshOf(RippledTorus(500, 100))}, std::move(floor)});
+  tbb::task_arena arena(2);
+  CasterBvhs bvhs;
+  const LightView view = Down(200);
+  SplitDepthSource split(*scene, bvhs, arena);
+  AutoDepthSource automatic(*scene, bvhs, arena);
+  RasterDepthSource raster(*scene, arena);
+  RayDepthSource rays(bvhs.Of(*scene), arena);
+  const auto draw = [&](DepthSource& source) { return DrawAll(source, std::span(&view, 1)).at(0); };
+  const DepthMap of_both = draw(split), drawn = draw(raster), traced = draw(rays);
+  EXPECT_EQ(split.drawn_by(), "raster and rays");
+  size_t as_traced = 0, as_drawn_alone = 0;
+  for (size_t i = 0; i < of_both.depths.size(); ++i) {
+    const bool is_traced = of_both.depths[i] == traced.depths[i];
+    as_traced += is_traced;
+    as_drawn_alone += !is_traced && of_both.depths[i] == drawn.depths[i];
+    EXPECT_TRUE(is_traced || of_both.depths[i] == drawn.depths[i]) << i;
+  }
+  EXPECT_GT(as_traced, 1000u);
+  EXPECT_GT(as_drawn_alone, 100u);
+  EXPECT_LT(split.CostNs(view), RaysNs(CasterSizes(*scene).WorkOf(view)));
+  EXPECT_EQ(draw(automatic).depths, automatic.IsDrawn(view) ? drawn.depths : of_both.depths);
 }
 
 TEST(MakeDepthSourceTest, MakesWhatIsAskedForOrNamesTheField) {
