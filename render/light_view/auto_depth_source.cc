@@ -33,8 +33,9 @@ absl::Status AutoDepthSource::Draw(std::span<const LightView> views, const std::
 }
 
 std::string AutoDepthSource::drawn_by() const {
-  if (uses_split_) return split_.drawn_by();
-  return raster_ ? raster_->drawn_by() : std::string(NameOf(DepthMethod::kAuto));
+  const std::string raster(NameOf(DepthMethod::kRaster)), split = split_.drawn_by();
+  if (!uses_split_) return raster_ ? raster : std::string(NameOf(DepthMethod::kAuto));
+  return raster_ && !split.starts_with(raster) ? absl::StrCat(raster, " and ", split) : split;
 }
 
 }  // namespace penumbra

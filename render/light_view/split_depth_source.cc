@@ -98,7 +98,9 @@ absl::Status SplitDepthSource::Draw(std::span<const LightView> views, const std:
 }
 
 std::string SplitDepthSource::drawn_by() const {
-  return rays_ ? absl::StrCat(raster_.drawn_by(), " and ", rays_->drawn_by()) : raster_.drawn_by();
+  if (!rays_) return raster_.drawn_by();
+  if (simple_->instances().empty()) return rays_->drawn_by();
+  return absl::StrCat(raster_.drawn_by(), " and ", rays_->drawn_by());
 }
 
 }  // namespace penumbra
