@@ -25,12 +25,15 @@ struct EngineChoice {
   uint32_t threads = 0;  // of the engine in this process; 0: one a core
 };
 
+// Pixels of a computed picture where nothing is said of them.
+inline constexpr GridSize kPictureSize{512, 512};
+
 // Points to compute shadows at, for techniques that take them.
 struct PointRequest {
   std::vector<std::string> lightmaps;  // instances, each with its own texels
   std::filesystem::path file;          // of points with normals; empty: none
   std::optional<Camera> camera;        // of a picture; absent: one is chosen if nothing is named
-  std::optional<GridSize> picture;     // the whole picture's pixels; absent: 512×512
+  std::optional<GridSize> picture;     // the whole picture's pixels; absent: kPictureSize
   PixelRect crop;                      // of it; empty: all
   PixelRect first;                     // where to begin; empty: in the middle
 };
@@ -96,7 +99,7 @@ struct WatchCommand {
   TechniqueParams params;
   float time_budget_ms = 0;         // 0: none
   std::optional<Camera> camera;     // what is looked at; absent: nothing
-  std::optional<GridSize> picture;  // pixels, of a technique that computes one; absent: 512×512
+  std::optional<GridSize> picture;  // pixels, of a technique that computes one
   uint64_t max_updates = 0;         // 0: until interrupted
   double max_seconds = 0.0;         // 0: until interrupted
   bool until_final = false;         // every shadow was final once

@@ -71,7 +71,7 @@ absl::StatusOr<std::vector<PlannedPoints>> PlanPoints(const ImportedScene& impor
   const bool names_picture =
       wanted.camera || wanted.picture || !wanted.crop.empty() || !wanted.first.empty();
   if (!planned.empty() && !names_picture) return planned;
-  const GridSize size = wanted.picture.value_or(GridSize{512, 512});
+  const GridSize size = wanted.picture.value_or(kPictureSize);
   PicturePixels picture{
       .camera = wanted.camera.value_or(ChooseCamera(imported, request.floor, size)),
       .width = size.width,

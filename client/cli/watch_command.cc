@@ -188,7 +188,7 @@ ArtifactSpec SpecOf(const WatchCommand& command, const std::string& light_id,
                     const std::string& receiver_id) {
   ArtifactSpec spec{command.params, light_id, receiver_id, command.time_budget_ms};
   if (InfoOf(command.params).target == SpecTarget::kPoints) {
-    const GridSize size = command.picture.value_or(GridSize{512, 512});
+    const GridSize size = command.picture.value_or(kPictureSize);
     spec.points =
         PicturePixels{.camera = *command.camera, .width = size.width, .height = size.height};
   }

@@ -26,7 +26,7 @@ class AutoDepthSource : public DepthSource {
  public:
   // All outlive the source.
   AutoDepthSource(const Scene& scene, CasterBvhs& bvhs, tbb::task_arena& arena)
-      : scene_(scene), arena_(arena), sizes_(scene), split_(scene, bvhs, arena) {}
+      : scene_(scene), arena_(arena), split_(scene, bvhs, arena) {}
 
   absl::Status Draw(std::span<const LightView> views, const std::stop_token& stop,
                     const Take& take) override;
@@ -34,7 +34,7 @@ class AutoDepthSource : public DepthSource {
 
   // Whether `view` is drawn as a whole, not split.
   bool IsDrawn(const LightView& view) const {
-    return RasterNs(sizes_.WorkOf(view)) <= split_.CostNs(view);
+    return RasterNs(split_.sizes().WorkOf(view)) <= split_.CostNs(view);
   }
 
  private:
@@ -42,7 +42,6 @@ class AutoDepthSource : public DepthSource {
 
   const Scene& scene_;
   tbb::task_arena& arena_;
-  const CasterSizes sizes_;
   std::optional<RasterDepthSource> raster_;
   // Rays alone are this where nothing is simple.
   SplitDepthSource split_;

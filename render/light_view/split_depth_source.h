@@ -38,6 +38,8 @@ class SplitDepthSource : public DepthSource {
 
   // Nanoseconds of one thread, by the model of depth_method.h.
   double CostNs(const LightView& view) const;
+  // Of all casters.
+  const CasterSizes& sizes() const { return sizes_; }
 
  private:
   // Views together, the first of which is views[first] of Draw's.

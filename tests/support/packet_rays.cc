@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "render/math/parallel_for.h"
 #include "render/technique/coherent_raytrace/point_samples.h"

@@ -37,7 +37,7 @@ struct LayeredAttenuationParams {
       {"tolerance", "float", "0", "0 to 16",
        "how far from a layer its surface may be, in pixels' widths; 0: 1"},
       {"source", "enum", "auto", "auto, raster, rays or gl",
-       "what draws depth maps; auto: raster or rays, whichever costs less for a view"},
+       "what draws depth maps; auto: raster, rays or both, whichever costs least for a view"},
       {"key_views", "bool", "false", "",
        "draw from the light's corners and middle alone and warp the other views from these"},
       {"max_layers", "uint", "64", "1 to 128", "layers that a pixel may have; more are refused"},
