@@ -1,0 +1,105 @@
+#include "render/artifact/shadow_volume_mesh.h"
+
+#include <array>
+#include <utility>
+#include <variant>
+
+#include "render/artifact/light_above_plane.h"
+#include "render/artifact/light_extent.h"
+
+namespace penumbra {
+namespace {
+
+// Twice the area of the triangle (0, a, b) as `axis` sees it.
+double Side(DVec3 axis, DVec3 a, DVec3 b) { return glm::dot(axis, glm::cross(a, b)); }
+
+// Whether the way from 0 towards the light's centre meets the triangle.
+bool Blocks(const std::array<DVec3, 3>& corners, DVec3 to_light, bool is_far) {
+  const double ab = Side(to_light, corners[0], corners[1]);
+  const double bc = Side(to_light, corners[1], corners[2]);
+  const double ca = Side(to_light, corners[2], corners[0]);
+  const bool in_front = ab > 0 && bc > 0 && ca > 0, behind = ab < 0 && bc < 0 && ca < 0;
+  if (!in_front && !behind) return false;
+  const DVec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+  const double t = glm::dot(normal, corners[0]) / glm::dot(normal, to_light);
+  return t > 0 && (is_far || t < 1);
+}
+
+int SurfacesBefore(const ShadowVolume& volume, const AreaLight& light, DVec3 point) {
+  const auto* distant = std::get_if<DistantLight>(&light.shape);
+  const bool is_far = distant != nullptr;
+  const DVec3 to_light = is_far ? DVec3(distant->to_light) : LightExtent(light).center() - point;
+  int count = 0;
+  for (size_t i = 0; i + 2 < volume.caster_indices.size(); i += 3) {
+    std::array<DVec3, 3> corners;
+    for (size_t k = 0; k < 3; ++k) {
+      const Vec4 v = volume.vertices[volume.caster_indices[i + k]];
+      corners[k] = DVec3(v) / double{v.w} - point;
+    }
+    count += Blocks(corners, to_light, is_far);
+  }
+  return count;
+}
+
+// Whether the first of the faces that covers the point has something before it.
+bool IsBehind(const std::vector<VolumeGrid>& grids, DVec3 point) {
+  for (const VolumeGrid& grid : grids) {
+    const VolumeGrid::Place place = grid.PlaceOf(point);
+    if (place.is_ahead && grid.Covers(place.at)) {
+      return grid.NearnessAt(place.at) > place.nearness;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+size_t ShadowVolume::bytes() const {
+  size_t bytes = vertices.size() * sizeof(Vec4) + weights.size() +
+                 (indices.size() + caster_indices.size()) * sizeof(uint32_t);
+  for (const VolumeFace& face : faces) bytes += face.map.depths.size() * sizeof(float);
+  return bytes;
+}
+
+size_t ShadowVolumeMesh::triangle_count() const {
+  size_t count = 0;
+  for (const ShadowVolume& volume : volumes) count += volume.triangle_count();
+  return count;
+}
+
+size_t ShadowVolumeMesh::bytes() const {
+  size_t bytes = 0;
+  for (const ShadowVolume& volume : volumes) bytes += volume.bytes();
+  return bytes;
+}
+
+VolumeLookup::VolumeLookup(const ShadowVolumeMesh& mesh) : mesh_(mesh) {
+  for (const ShadowVolume& volume : mesh.volumes) {
+    Surfaces surfaces{.volume = &volume, .grids = {}};
+    for (const VolumeFace& face : volume.faces) {
+      surfaces.grids.emplace_back(face.map, face.border, mesh.bias_px);
+    }
+    surfaces_.push_back(std::move(surfaces));
+  }
+}
+
+int VolumeLookup::Depth(DVec3 point) const {
+  int depth = 0;
+  for (const Surfaces& surfaces : surfaces_) {
+    depth += surfaces.volume->kind == VolumeKind::kObject
+                 ? SurfacesBefore(*surfaces.volume, mesh_.light, point) > 0
+                 : IsBehind(surfaces.grids, point);
+  }
+  return depth;
+}
+
+float VolumeLookup::Visibility(Vec3 point, Vec3 normal) const {
+  if (!(LightAbovePlane(mesh_.light, point, normal) > 0)) return 0.0f;
+  return Depth(DVec3(point)) > 0 ? 0.0f : 1.0f;
+}
+
+float Visibility(const ShadowVolumeMesh& mesh, Vec3 point, Vec3 normal) {
+  return VolumeLookup(mesh).Visibility(point, normal);
+}
+
+}  // namespace penumbra

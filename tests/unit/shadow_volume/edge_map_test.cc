@@ -1,0 +1,179 @@
+#include "render/technique/shadow_volume/edge_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "render/technique/shadow_volume/edge_kernel.h"
+#include "tests/unit/shadow_volume/depth_maps.h"
+
+namespace penumbra {
+namespace {
+
+using testing::Dice;
+using testing::MapOf;
+using testing::RandomMap;
+using testing::SomeView;
+using testing::SquareOverSlope;
+
+VolumeGrid GridOf(const DepthMap& map) { return VolumeGrid(map, VolumeBorder::kNothing, 0); }
+
+// Every difference against its limit, one by one and in double precision.
+TEST(EdgeMapTest, PlainThresholdsMarkWhatIsAboveThem) {
+  Dice dice(7);
+  for (const bool from_infinity : {false, true}) {
+    for (const uint32_t width : {1u, 5u, 63u, 64u, 65u, 130u}) {
+      const VolumeGrid grid = GridOf(RandomMap(dice, SomeView(width, 9, from_infinity)));
+      const EdgeThresholds plain{.low = 30, .high = 30};
+      const EdgeMap edges = FindEdges(grid, {.thresholds = plain, .follows_dangling = false});
+      const auto is_edge = [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
+        const double a = grid.At(x0, y0), b = grid.At(x1, y1);
+        if (a == b) return false;
+        if (std::min(a, b) == grid.nothing()) return true;
+        return std::abs(a - b) > 30.0 * grid.PixelWidth(static_cast<float>(std::max(a, b)));
+      };
+      for (uint32_t y = 0; y < grid.height(); ++y) {
+        for (uint32_t x = 0; x < grid.width(); ++x) {
+          if (x + 1 < grid.width()) {
+            EXPECT_EQ(edges.right(x, y), is_edge(x, y, x + 1, y)) << x << " " << y;
+          }
+          if (y + 1 < grid.height()) {
+            EXPECT_EQ(edges.below(x, y), is_edge(x, y, x, y + 1)) << x << " " << y;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(EdgeMapTest, CellsAreVisitedOnceEachInTheirOrder) {
+  Dice dice(8);
+  const VolumeGrid grid = GridOf(RandomMap(dice, SomeView(140, 20, false), 0.05f));
+  const EdgeMap edges = FindEdges(grid, {.thresholds = EdgeThresholds{.low = 90, .high = 90}});
+  std::vector<int> codes(size_t{grid.width()} * grid.height());
+  size_t last = 0;
+  edges.ForEachCell([&](uint32_t x, uint32_t y, int code) {
+    const size_t at = size_t{y} * grid.width() + x;
+    EXPECT_TRUE(at > last || at == 0);
+    last = at;
+    codes[at] = code;
+  });
+  for (uint32_t y = 0; y + 1 < grid.height(); ++y) {
+    for (uint32_t x = 0; x + 1 < grid.width(); ++x) {
+      const int code = edges.right(x, y) + 2 * edges.below(x + 1, y) + 4 * edges.right(x, y + 1) +
+                       8 * edges.below(x, y);
+      EXPECT_EQ(codes[size_t{y} * grid.width() + x], code);
+    }
+  }
+}
+
+// A slope of 1 to 3 pixels' widths a pixel is above the low threshold, and none of it is an edge;
+// the square's sides are, all around.
+TEST(EdgeMapTest, SlopesAreNoEdgesAndStepsAre) {
+  const EdgeOptions options{.thresholds = EdgeThresholds{.low = 0.5f, .high = 20}};
+  const VolumeGrid slope = GridOf(SquareOverSlope(64, 1.5, 0));
+  const VolumeGrid square = GridOf(SquareOverSlope(64, 1.5, 6));
+  const EdgeMap none = FindEdges(slope, options), some = FindEdges(square, options);
+  for (uint32_t y = 2; y < 63; ++y) {
+    for (uint32_t x = 2; x < 63; ++x) {
+      EXPECT_FALSE(none.right(x, y)) << x << " " << y;
+      EXPECT_FALSE(none.below(x, y)) << x << " " << y;
+      const bool in_rows = y > 16 && y <= 48, in_columns = x > 16 && x <= 48;
+      EXPECT_EQ(some.right(x, y), in_rows && (x == 16 || x == 48)) << x << " " << y;
+      EXPECT_EQ(some.below(x, y), in_columns && (y == 16 || y == 48)) << x << " " << y;
+    }
+  }
+}
+
+// A step that a sample lies in the middle of has two halves, of which neither is greater.
+TEST(EdgeMapTest, StepsOfTwoHalvesAreEdges) {
+  const double pixel = 0.7 / 40;
+  const VolumeGrid grid = GridOf(MapOf(SomeView(40, 40, false), [&](uint32_t x, uint32_t) {
+    return static_cast<float>(4 / (1 + pixel * (x < 20 ? 0 : x == 20 ? 3 : 6)));
+  }));
+  const EdgeMap edges = FindEdges(grid, {.thresholds = EdgeThresholds{.low = 2, .high = 20}});
+  EXPECT_TRUE(edges.right(20, 20));
+  EXPECT_TRUE(edges.right(21, 20));
+  EXPECT_FALSE(edges.right(19, 20));
+  EXPECT_FALSE(edges.right(22, 20));
+}
+
+// A flap that leaves the floor more and more, row by row: where the step is below the threshold the
+// edge ends, unless it is followed.
+TEST(EdgeMapTest, DanglingEdgesAreFollowed) {
+  const double pixel = 0.7 / 40;
+  const VolumeGrid grid = GridOf(MapOf(SomeView(40, 40, false), [&](uint32_t x, uint32_t y) {
+    return static_cast<float>(4 / (1 + pixel * (x < 20 ? 0.0 : 0.2 * y)));
+  }));
+  const EdgeThresholds thresholds{.low = 4, .high = 4, .second = 0.5f, .dangling = 0.5f};
+  const EdgeMap cut = FindEdges(grid, {.thresholds = thresholds, .follows_dangling = false});
+  const EdgeMap followed = FindEdges(grid, {.thresholds = thresholds});
+  for (uint32_t y = 0; y < 40; ++y) {
+    const double step = 0.2 * y / (1 + pixel * 0.2 * y) * 1.0;
+    if (std::abs(step - 4) > 0.4) {
+      EXPECT_EQ(cut.right(20, y + 1), step > 4) << y;
+    }
+    if (std::abs(step - 2) > 0.4) {
+      EXPECT_EQ(followed.right(20, y + 1), step > 2) << y;
+    }
+  }
+}
+
+TEST(EdgeMapTest, OtherObjectsAreEdges) {
+  const DepthMap map = MapOf(SomeView(10, 8, false), [](uint32_t, uint32_t) { return 4.0f; });
+  std::vector<uint32_t> ids(80);
+  for (uint32_t i = 0; i < 80; ++i) ids[i] = i % 10 >= 4 && i / 10 >= 3;
+  const EdgeMap edges = FindEdges(GridOf(map), {}, ids);
+  for (uint32_t y = 1; y <= 8; ++y) {
+    for (uint32_t x = 1; x <= 9; ++x) EXPECT_EQ(edges.right(x, y), x == 4 && y > 3);
+  }
+  for (uint32_t x = 1; x <= 10; ++x) {
+    for (uint32_t y = 1; y <= 7; ++y) EXPECT_EQ(edges.below(x, y), y == 3 && x > 4);
+  }
+}
+
+TEST(EdgeMapTest, FractionIsOfAllFlags) {
+  const VolumeGrid none =
+      GridOf(MapOf(SomeView(8, 8, false), [](uint32_t, uint32_t) { return kNoDepth; }));
+  EXPECT_EQ(FindEdges(none, {}).fraction(), 0.0);
+  Dice dice(9);
+  const VolumeGrid grid = GridOf(RandomMap(dice, SomeView(8, 8, false), 0));
+  // All but those between samples of the ring.
+  const EdgeMap all = FindEdges(grid, {.thresholds = EdgeThresholds{.low = 0, .high = 0}});
+  EXPECT_EQ(all.flag_count(), 2u * 9 * 8);
+  EXPECT_NEAR(all.fraction(), 2.0 * 9 * 8 / (2 * 9 * 10), 1e-12);
+  EXPECT_EQ(FindEdges(VolumeGrid(DepthMap{}, VolumeBorder::kNothing, 0), {}).fraction(), 0.0);
+}
+
+TEST(EdgeThresholdsTest, BinsAreInOrderAndHoldTheirLeast) {
+  for (int bin = 0; bin < kDifferenceBins; ++bin) {
+    EXPECT_EQ(DifferenceBin(DifferenceOfBin(bin)), bin);
+    if (bin > 0) {
+      EXPECT_LT(DifferenceOfBin(bin - 1), DifferenceOfBin(bin));
+    }
+  }
+  EXPECT_EQ(DifferenceBin(NAN), 0);
+  EXPECT_EQ(DifferenceBin(0), 0);
+  EXPECT_EQ(DifferenceBin(INFINITY), kDifferenceBins - 1);
+  EXPECT_EQ(DifferenceBin(1.0f), DifferenceBin(1.24f));
+  EXPECT_LT(DifferenceBin(1.24f), DifferenceBin(1.26f));
+}
+
+TEST(EdgeThresholdsTest, NoisyMapsGetHigherThresholds) {
+  Dice dice(10);
+  const auto with_noise = [&](float size) {
+    const VolumeGrid grid = GridOf(MapOf(SomeView(128, 128, false), [&](uint32_t, uint32_t) {
+      return 4 + dice.Between(-size, size);
+    }));
+    return ChooseThresholds(grid).high;
+  };
+  EXPECT_EQ(with_noise(0.001f), kLeastHigh);
+  EXPECT_EQ(with_noise(2.0f), kMostHigh);
+  const float middle = with_noise(0.12f);
+  EXPECT_GT(middle, kLeastHigh);
+  EXPECT_LT(middle, kMostHigh);
+}
+
+}  // namespace
+}  // namespace penumbra
