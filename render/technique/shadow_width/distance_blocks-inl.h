@@ -23,7 +23,7 @@ using VI32 = hn::Vec<I32>;
 
 // As far as neighbours are looked at one by one, in texels; see distance_row-inl.h. With 8, 12, 16,
 // 24, 32 and 48, a mask of 512² took 0.46, 0.37, 0.36, 0.34, 0.38 and 0.36 ms where disks of up
-// to 12 texels radius block, and 0.46, 0.48, 0.53, 0.58, 0.69 and 0.84 ms where all but 64 texels do.
+// to 12 texels block, and 0.46, 0.48, 0.53, 0.58, 0.69 and 0.84 ms where all but 64 texels do.
 inline constexpr int kNarrow = 16;
 
 // x, x + 1, … (hn::Iota(d, x) goes through memory, number by number).
