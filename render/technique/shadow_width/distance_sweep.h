@@ -25,8 +25,8 @@ enum class SweepNeighbours : uint8_t {
 //
 //   x + y  of four neighbours,   x + (√2 − 1) y  of eight.
 //
-// Never less than the exact distance, but for the rounding to float, and at most √2 times as much of
-// four neighbours, 1 / cos(π/8) ≈ 1.08 times as much of eight.
+// Never less than the exact distance, but for the rounding to float, and at most √2 times as much
+// of four neighbours, 1 / cos(π/8) ≈ 1.08 times as much of eight.
 //
 // Shapes  H×W → H·W, row by row
 // Units   texels, which are square
