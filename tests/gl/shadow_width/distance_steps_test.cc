@@ -38,8 +38,8 @@ std::vector<float> DistancesOnCpu(const OwnedMask& mask, StepNeighbours neighbou
     for (const DistanceStep& step : StepsOf(neighbours, size)) {
       for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-          const int there_x = x + step.offset.x, there_y = y + step.offset.y;
-          if (there_x < 0 || there_y < 0 || there_x >= width || there_y >= height) continue;
+          const int there_x = std::clamp(x + step.offset.x, 0, width - 1);
+          const int there_y = std::clamp(y + step.offset.y, 0, height - 1);
           float& least = distances[y * width + x];
           least = std::min(least, before[there_y * width + there_x] + step.length);
         }

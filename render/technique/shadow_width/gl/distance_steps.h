@@ -31,9 +31,10 @@ struct DistanceStep {
 std::vector<DistanceStep> StepsOf(StepNeighbours neighbours, int size);
 
 // The shortest of the ways from each texel to lit ones that have at most one step of each size 1,
-// 2, 4, …, less than the mask's longer side, the longest first, and stay within the mask; 0 where
-// lit, infinity where no such way is. As a way is as long as its steps together, it is never
-// shorter than the exact distance, but for rounding; most are longer: steps lie in few directions.
+// 2, 4, …, less than the mask's longer side, the longest first; 0 where lit, infinity where no such
+// way is. A step out of the mask ends at its edge. As a way is as long as its steps together, it is
+// never shorter than the exact distance, but for rounding; most are longer: steps lie in few
+// directions.
 //
 // Shapes  H×W → H·W, row by row
 // Units   texels, which are square

@@ -28,11 +28,10 @@ uniform float lengths[kNeighbours];
 layout(location = 0) out float distance_to_lit;
 
 void main() {
-  ivec2 here = ivec2(gl_FragCoord.xy), size = textureSize(distances, 0);
+  ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(distances, 0) - 1;
   float least = texelFetch(distances, here, 0).r;
   for (int i = 0; i < kNeighbours; ++i) {
-    ivec2 there = here + offsets[i];
-    if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) continue;
+    ivec2 there = clamp(here + offsets[i], ivec2(0), last);
     least = min(least, texelFetch(distances, there, 0).r + lengths[i]);
   }
   distance_to_lit = least;
