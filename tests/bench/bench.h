@@ -40,6 +40,9 @@ std::vector<Row> CoherentRaytraceSuite(const BenchOptions& options);
 std::vector<Row> GlSuite(const BenchOptions& options);
 std::vector<Row> LightViewSuite(const BenchOptions& options);
 
+// Distance transforms, a part of what is measured of shadow_width.
+std::vector<Row> DistanceSuite(const BenchOptions& options);
+
 std::vector<Row> LayeredAttenuationSuite(const BenchOptions& options);
 
 // What tells how soon shadows follow a drag; a part of SoftTextureSuite.

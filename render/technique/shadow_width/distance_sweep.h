@@ -1,6 +1,6 @@
 // Shadow widths from neighbour to neighbour, as the paper has software find them: sweeping over the
 // mask, each texel takes what its neighbours have and the way to them. For comparison: the exact
-// transform is as fast.
+// transform is faster.
 //
 //   auto widths = DistanceBySweeps({blocked, width, height}, SweepNeighbours::kFour, arena, stop);
 #pragma once
