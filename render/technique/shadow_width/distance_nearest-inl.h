@@ -30,6 +30,8 @@ class NearestColumns {
   // Of blocks [first, end), counted from 0 here: places in `lit`.
   HWY_INLINE int32_t operator[](size_t block) const { return nearest_[block]; }
 
+  // The blocks beside them, if there are any, must be narrow.
+  //
   // `columns`  that `lit` is made from
   HWY_INLINE void Find(const LitColumns& lit, const int16_t* columns, uint32_t first,
                        uint32_t end) {
@@ -37,23 +39,27 @@ class NearestColumns {
     const auto size = static_cast<int32_t>(BlockSize());
     const int32_t origin = static_cast<int32_t>(first) * size;
     const int32_t last = std::min(static_cast<int32_t>(end) * size, width_) - 1;
-    const auto find = [&](int32_t x, int32_t low, int32_t high) HWY_ATTR {
+    const auto find = [&](int32_t x, int32_t low, int32_t high, int32_t within) HWY_ATTR {
       // Columns further away than x's own lit texel are no nearer.
-      const int32_t column = columns[x];
-      return lit.Nearest(x, std::max(low, lit.FirstFrom(x - column)),
-                         std::min(high, lit.LastTo(x + column)));
+      const int32_t most = std::min<int32_t>(within, columns[x]);
+      return lit.Nearest(x, std::max(low, lit.FirstFrom(x - most)),
+                         std::min(high, lit.LastTo(x + most)));
     };
-    nearest_[0] = find(origin, 0, lit.size() - 1);
-    nearest_[count] = find(last, nearest_[0], lit.size() - 1);
+    nearest_[0] = find(origin, 0, lit.size() - 1, first > 0 ? kBesideNarrow : kNoneLit);
+    nearest_[count] =
+        find(last, nearest_[0], lit.size() - 1, last + 1 < width_ ? kBesideNarrow : kNoneLit);
     for (uint32_t half = std::bit_ceil(count) / 2; half > 0; half /= 2) {
       for (uint32_t i = half; i < count; i += 2 * half) {
         nearest_[i] = find(origin + static_cast<int32_t>(i) * size, nearest_[i - half],
-                           nearest_[std::min(i + half, count)]);
+                           nearest_[std::min(i + half, count)], kNoneLit);
       }
     }
   }
 
  private:
+  // The most that the distance of a texel beside a narrow block is.
+  static constexpr int32_t kBesideNarrow = kNarrow + 2;
+
   const int32_t width_;
   const std::unique_ptr<int32_t[]> nearest_;
 };

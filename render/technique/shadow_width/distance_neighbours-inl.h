@@ -44,6 +44,10 @@ class NeighbourSquares {
     VU16 least = hn::LoadU(d, here);
     const size_t left = width_ - x;
     if (left < hn::Lanes(d)) least = hn::IfThenElseZero(hn::FirstN(d, left), least);
+    if (left >= hn::Lanes(d) && hn::AllTrue(d, hn::Eq(least, hn::Zero(d)))) {  // roots take long
+      std::fill_n(distances + x, hn::Lanes(d), 0.0f);
+      return true;
+    }
     const auto is_settled = [&](int k) HWY_ATTR {  // by the neighbours less than k away
       const VU16 square = hn::Set(d, static_cast<uint16_t>(k * k));
       return hn::AllTrue(d, hn::Eq(hn::Min(least, square), least));
