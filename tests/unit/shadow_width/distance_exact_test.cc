@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "hwy/targets.h"
+#include "tbb/global_control.h"
 #include "tests/unit/shadow_width/distance_masks.h"
 
 namespace penumbra {
@@ -169,6 +170,7 @@ INSTANTIATE_TEST_SUITE_P(Targets, DistanceTargetsTest,
                          });
 
 TEST(DistanceExactTest, IsTheSameForAnyNumberOfThreads) {
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 5);
   Dice dice(4);
   for (int trial = 0; trial < 12; ++trial) {
     const OwnedMask mask = RandomMask(dice, 300 + dice.Below(300), 300 + dice.Below(300));

@@ -9,6 +9,7 @@
 #include <cstdlib>
 
 #include "render/technique/shadow_width/distance_exact.h"
+#include "tbb/global_control.h"
 #include "tests/unit/shadow_width/distance_masks.h"
 
 namespace penumbra {
@@ -101,6 +102,7 @@ TEST_P(DistanceSweepTest, TheLongestWayFits) {
 }
 
 TEST_P(DistanceSweepTest, IsTheSameForAnyNumberOfThreads) {
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 5);
   Dice dice(3);
   for (int trial = 0; trial < 6; ++trial) {
     const OwnedMask mask = RandomMask(dice, 300, 200);
