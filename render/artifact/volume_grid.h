@@ -54,6 +54,7 @@ class VolumeGrid {
 
   // Where nothing is seen, and where the depth is not a number or not before the light: nothing().
   float At(uint32_t x, uint32_t y) const { return nearness_[size_t{y} * width_ + x]; }
+  void Set(uint32_t x, uint32_t y, float nearness) { nearness_[size_t{y} * width_ + x] = nearness; }
   const float* Row(uint32_t y) const { return &nearness_[size_t{y} * width_]; }
   float nothing() const { return from_infinity_ ? -std::numeric_limits<float>::infinity() : 0.0f; }
   // A pixel's width where nearness is `r`, in terms of nearness.

@@ -20,6 +20,9 @@ std::array<Gate, 4> SidesOf(uint32_t x, uint32_t y) {
   return {Gate{x, y, true}, Gate{x + 1, y, false}, Gate{x, y + 1, true}, Gate{x, y, false}};
 }
 
+// By how much, as a part of it, differences of one slope differ.
+constexpr float kMostBend = 0.25f;
+
 class Detector {
  public:
   Detector(const VolumeGrid& grid, const EdgeThresholds& thresholds)
@@ -35,6 +38,13 @@ class Detector {
   // the map.
   float Difference(Gate gate, int steps) const;
   bool IsMaximum(Gate gate, float second) const;
+  // Whether it is one of three differences in a row that are nearly the same.
+  bool IsSlope(Gate gate) const;
+  // A pixel's width at the nearer of the gate's samples.
+  float WidthAt(Gate gate) const {
+    return grid_.PixelWidth(std::max(grid_.At(gate.x, gate.y),
+                                     grid_.At(gate.x + gate.is_right, gate.y + !gate.is_right)));
+  }
   void Refine(uint64_t* words, const std::vector<uint64_t>& high, uint32_t y, bool is_right);
   void FollowFrom(uint32_t x, uint32_t y, std::vector<Gate>& open);
   bool IsInside(uint32_t x, uint32_t y) const {
@@ -59,10 +69,7 @@ float Detector::Difference(Gate gate, int steps) const {
 bool Detector::IsMaximum(Gate gate, float second) const {
   const float here = Difference(gate, 0);
   const float sign = here < 0 ? -1.0f : 1.0f;
-  const float most =
-      std::max(grid_.At(gate.x, gate.y),
-               gate.is_right ? grid_.At(gate.x + 1, gate.y) : grid_.At(gate.x, gate.y + 1));
-  const float slack = second * grid_.PixelWidth(most);
+  const float slack = second * WidthAt(gate);
   const float before = sign * Difference(gate, -1), after = sign * Difference(gate, 1);
   if (before < 0 && after < 0) return true;
   // A step the other way says nothing of whether this is one.
@@ -71,15 +78,26 @@ bool Detector::IsMaximum(Gate gate, float second) const {
   return std::min(over_before, over_after) > -slack && std::max(over_before, over_after) > slack;
 }
 
-// Of the candidates in a row, which are in `words`, those that are no sure edges have to be maxima.
+bool Detector::IsSlope(Gate gate) const {
+  const float here = Difference(gate, 0), most = kMostBend * std::abs(here);
+  const auto is_same = [&](int steps) { return std::abs(here - Difference(gate, steps)) <= most; };
+  const bool before = is_same(-1), after = is_same(1);
+  return (before && after) || (before && is_same(-2)) || (after && is_same(2));
+}
+
+// Of what is marked in a row, in `words`, candidates have to be maxima, and the others not be a
+// slope.
 void Detector::Refine(uint64_t* words, const std::vector<uint64_t>& high, uint32_t y,
                       bool is_right) {
   const float second = thresholds_.second * thresholds_.low;
   for (uint32_t word = 0; word < edges_.words(); ++word) {
-    for (uint64_t bits = words[word] & ~high[word]; bits != 0; bits &= bits - 1) {
+    for (uint64_t bits = words[word]; bits != 0; bits &= bits - 1) {
       const int bit = std::countr_zero(bits);
       const Gate gate{64 * word + static_cast<uint32_t>(bit), y, is_right};
-      if (!IsMaximum(gate, second)) words[word] &= ~(uint64_t{1} << bit);
+      const bool is_sure = high[word] >> bit & 1;
+      if (is_sure ? IsSlope(gate) : !IsMaximum(gate, second)) {
+        words[word] &= ~(uint64_t{1} << bit);
+      }
     }
   }
 }
@@ -100,6 +118,7 @@ void Detector::MarkAll() {
   const EdgeLimits limits{.low = limit(std::min(thresholds_.low, thresholds_.high)),
                           .high = limit(thresholds_.high),
                           .from_infinity = grid_.from_infinity()};
+  const bool is_plain = thresholds_.high <= thresholds_.low;
   std::vector<uint64_t> right_high(edges_.words()), below_high(edges_.words());
   for (uint32_t y = 0; y < grid_.height(); ++y) {
     const bool is_last = y + 1 == grid_.height();
@@ -110,6 +129,7 @@ void Detector::MarkAll() {
       right[word] &= BitsBelow(grid_.width() - 1, word);
       below[word] &= BitsBelow(grid_.width(), word);
     }
+    if (is_plain) continue;
     Refine(right, right_high, y, true);
     Refine(below, below_high, y, false);
   }
@@ -139,9 +159,7 @@ void Detector::FollowFrom(uint32_t x, uint32_t y, std::vector<Gate>& open) {
   for (int side = 0; side < 4; ++side) {
     if (code >> side & 1) continue;
     const Gate gate = sides[side];
-    const float a = grid_.At(gate.x, gate.y);
-    const float b = grid_.At(gate.x + gate.is_right, gate.y + !gate.is_right);
-    const float difference = std::abs(Difference(gate, 0)) / grid_.PixelWidth(std::max(a, b));
+    const float difference = std::abs(Difference(gate, 0)) / WidthAt(gate);
     if (difference > most && IsMaximum(gate, thresholds_.second * low)) {
       most = difference;
       best = side;

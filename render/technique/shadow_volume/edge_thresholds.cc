@@ -44,9 +44,10 @@ EdgeThresholds ChooseThresholds(const VolumeGrid& grid) {
   double above = 0;
   int bin = kDifferenceBins;
   while (bin > 0 && above <= most) above += histogram[--bin];
-  EdgeThresholds thresholds;
-  thresholds.high = std::clamp(DifferenceOfBin(bin), kLeastHigh, kMostHigh);
-  return thresholds;
+  const double side = std::max(grid.width(), grid.height());
+  const auto low = static_cast<float>(
+      std::clamp(double{DifferenceOfBin(bin)}, kLeastGap * side, kMostGap * side));
+  return {.low = low, .high = 4 * low};
 }
 
 }  // namespace penumbra

@@ -18,8 +18,9 @@ struct VolumeTriangles {
 };
 
 // Which of a cell's two triangles there are, as bits 0 and 1, for a code and a split (1: along
-// corners 1 and 3). Triangle 0 has side 0, triangle 1 side 2. A triangle is there if one of its sides
-// is an edge; where the edge ends within the cell both are, so that edges reach a pixel further.
+// corners 1 and 3). Triangle 0 has side 0, triangle 1 side 2. A triangle is there if one of its
+// sides is an edge; where the edge ends within the cell both are, so that edges reach a pixel
+// further.
 //
 // Source  McCool 2000, §4, figure 5
 int TemplateTriangles(int code, int split);

@@ -1,0 +1,77 @@
+#include "render/technique/shadow_volume/shadow_volume_builder.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "render/scene/caster_tree.h"
+#include "render/technique/shadow_volume/volume_hash.h"
+#include "render/technique/shadow_volume/wall_edges.h"
+#include "render/technique/shadow_volume/wall_fit.h"
+
+namespace penumbra {
+
+ReconstructedVolume ReconstructVolume(std::vector<VolumeFace> faces,
+                                      const ShadowVolumeOptions& options,
+                                      std::span<const std::vector<uint32_t>> ids) {
+  ReconstructedVolume result;
+  VolumeTriangles mesh;
+  for (size_t i = 0; i < faces.size(); ++i) {
+    const VolumeGrid grid(faces[i].map, faces[i].border, options.bias_px);
+    const std::span<const uint32_t> face_ids =
+        i < ids.size() ? std::span(ids[i]) : std::span<const uint32_t>();
+    const EdgeMap edges = FindEdges(grid, options.edges, face_ids);
+    if (options.vectorizes) {
+      const VolumeGrid whole = WithoutHalfSteps(grid, edges);
+      AddWalls(whole, FindEdges(whole, options.edges, face_ids), mesh);
+    } else {
+      AddTriangles(grid, edges, options.reconstruction, mesh);
+    }
+    result.edge_fraction += edges.fraction() / static_cast<double>(faces.size());
+  }
+  result.volume.kind = options.vectorizes ? VolumeKind::kVectorized : VolumeKind::kReconstructed;
+  result.volume.faces = std::move(faces);
+  result.volume.vertices = std::move(mesh.vertices);
+  result.volume.indices = std::move(mesh.indices);
+  return result;
+}
+
+absl::StatusOr<std::vector<VolumeFace>> DrawFaces(std::span<const VolumeView> views,
+                                                  DepthSource& source,
+                                                  const std::stop_token& stop) {
+  std::vector<LightView> light_views;
+  for (const VolumeView& view : views) light_views.push_back(view.view);
+  std::vector<DepthMap> maps;
+  const auto status = source.Draw(light_views, stop, [&](size_t, DepthMap map) {
+    maps.push_back(std::move(map));
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  JoinBorders(maps);
+  std::vector<VolumeFace> faces;
+  for (size_t i = 0; i < maps.size(); ++i) {
+    faces.push_back({.map = std::move(maps[i]), .border = views[i].border});
+  }
+  return faces;
+}
+
+absl::StatusOr<ShadowVolumeMesh> BuildShadowVolumes(const Scene& scene, const AreaLight& light,
+                                                    const ShadowVolumeOptions& options,
+                                                    DepthSource& source,
+                                                    const std::stop_token& stop) {
+  if (const auto status = CheckShadowVolumeOptions(options); !status.ok()) return status;
+  ShadowVolumeMesh mesh{.light = light, .bias_px = options.bias_px, .volumes = {}};
+  const std::vector<Aabb>& boxes = scene.casters().bounds();
+  Aabb bounds;
+  for (const Aabb& box : boxes) bounds.Add(box);
+  const auto views = VolumeViews(light, boxes, PitchFor(light, bounds, options.resolution));
+  if (views.empty()) return mesh;
+  auto faces = DrawFaces(views, source, stop);
+  if (!faces.ok()) return faces.status();
+  ReconstructedVolume built = ReconstructVolume(*std::move(faces), options);
+  built.volume.content = HashOfVolume(scene.content_hash(), light, options);
+  mesh.edge_fraction = static_cast<float>(built.edge_fraction);
+  mesh.volumes.push_back(std::move(built.volume));
+  return mesh;
+}
+
+}  // namespace penumbra

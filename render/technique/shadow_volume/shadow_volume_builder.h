@@ -1,0 +1,49 @@
+// The boundary of a light's shadow, from a scene.
+//
+//   auto mesh = BuildShadowVolumes(*scene, light, options, source, stop);
+//   if (!mesh.ok()) return mesh.status();
+#pragma once
+
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "render/artifact/shadow_volume_mesh.h"
+#include "render/light_view/depth_source.h"
+#include "render/scene/scene.h"
+#include "render/technique/shadow_volume/shadow_volume_options.h"
+#include "render/technique/shadow_volume/volume_views.h"
+
+namespace penumbra {
+
+// A volume without a name, and how many of the places for edges have one.
+struct ReconstructedVolume {
+  ShadowVolume volume;
+  double edge_fraction = 0;
+};
+
+// From maps of VolumeViews, the borders of which are joined.
+//
+// ids   of the objects that samples are on, one vector a map, row by row; empty: not known
+// Cost  about 3 ns a sample and 0.1 µs a cell with an edge
+ReconstructedVolume ReconstructVolume(std::vector<VolumeFace> faces,
+                                      const ShadowVolumeOptions& options,
+                                      std::span<const std::vector<uint32_t>> ids = {});
+
+// Draws the views by `source` and joins their borders.
+//
+// Errors  those of DepthSource::Draw
+absl::StatusOr<std::vector<VolumeFace>> DrawFaces(std::span<const VolumeView> views,
+                                                  DepthSource& source, const std::stop_token& stop);
+
+// One volume of all of the scene's casters; none where the light sees nothing of them.
+//
+// source  draws `scene`
+// Errors  those of CheckShadowVolumeOptions; those of DepthSource::Draw
+absl::StatusOr<ShadowVolumeMesh> BuildShadowVolumes(const Scene& scene, const AreaLight& light,
+                                                    const ShadowVolumeOptions& options,
+                                                    DepthSource& source,
+                                                    const std::stop_token& stop);
+
+}  // namespace penumbra

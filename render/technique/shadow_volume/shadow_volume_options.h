@@ -1,0 +1,30 @@
+// How a shadow's boundary is made, and what there may be of it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "absl/status/status.h"
+#include "render/technique/shadow_volume/edge_map.h"
+#include "render/technique/shadow_volume/template_mesh.h"
+
+namespace penumbra {
+
+struct ShadowVolumeOptions {
+  uint32_t resolution = 512;  // samples along the longer side of a view; along each of six
+  EdgeOptions edges;
+  // Lines instead of samples' sides; `reconstruction` does not matter then.
+  bool vectorizes = false;
+  Reconstruction reconstruction = Reconstruction::kTemplate;
+  // ShadowVolumeMesh::bias_px. Less than the half of a pixel leaves speckles on slopes.
+  float bias_px = 1.0f;
+};
+
+inline constexpr uint32_t kMinVolumeResolution = 8, kMaxVolumeResolution = 8192;
+inline constexpr float kMaxVolumeBias = 64.0f;
+
+// Errors  kInvalidArgument RANGE, which names the field as "resolution", "bias", "low_threshold",
+//         "high_threshold"
+absl::Status CheckShadowVolumeOptions(const ShadowVolumeOptions& options);
+
+}  // namespace penumbra
