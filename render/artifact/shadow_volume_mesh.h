@@ -43,9 +43,9 @@ struct ShadowVolume {
   std::vector<Vec4> vertices;
   // Three a triangle; seen counter-clockwise from the lit side, but for kObject.
   std::vector<uint32_t> indices;
-  // Of kObject, one a triangle: what crossing it towards its front, which is counter-clockwise,
-  // adds to the number of surfaces between the light and the place. Empty: a place is within the
-  // volume or not, and all triangles change that.
+  // Of kObject, one a triangle: what passing from its front to its back adds to the number of
+  // surfaces between the light and the place; the other way it takes as much. Empty: 1 each, and
+  // since the number is 0 or 1, a bit that any triangle inverts does as well.
   std::vector<int8_t> weights;
   // Of kObject, three a triangle: the caster's own, whichever way they face. The number of surfaces
   // is that of those that the ray of light has met.

@@ -78,9 +78,9 @@ class EdgeMap {
 };
 
 // Flags are set where nearness differs by more than the high threshold, but within three such
-// differences in a row, which are a slope; by more than the low one where the difference has its own
-// maximum; between samples of which one sees nothing; and between those of different ids. Where an
-// edge ends within a cell, the greatest of the cell's other differences that would do with lower
+// differences in a row, which are a slope; by more than the low one where the difference has its
+// own maximum; between samples of which one sees nothing; and between those of different ids. Where
+// an edge ends within a cell, the greatest of the cell's other differences that would do with lower
 // thresholds is flagged too, and on from there.
 //
 // ids     one a sample of the map, row by row; empty: not known

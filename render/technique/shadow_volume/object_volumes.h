@@ -1,0 +1,70 @@
+// A volume for each caster, of which those are made anew that changed.
+//
+//   ObjectVolumes volumes(options, source_of);   // kept from revision to revision
+//   auto mesh = volumes.Update(*scene, light, stop);
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <stop_token>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "render/artifact/shadow_volume_mesh.h"
+#include "render/light_view/depth_source.h"
+#include "render/scene/scene.h"
+#include "render/technique/shadow_volume/shadow_volume_options.h"
+
+namespace penumbra {
+
+// Which casters have their volume made from their own triangles, and not from a map.
+enum class ObjectPrecision : uint8_t {
+  kNever,
+  kWhereItIsLess,  // those with fewer triangles than kMostObjectTriangles, and without a mask
+};
+inline constexpr size_t kMostObjectTriangles = 5000;
+
+// What lies in any of the volumes is in shadow. Each is reconstructed from a map of its caster
+// alone, with samples as far apart as one map of all would have, to the next power of √2 below: as
+// long as that stays the same a volume depends on its caster and the light alone, and is kept, as
+// are the names by which others know that they have it.
+//
+// Source  McCool 2000, §8.2
+class ObjectVolumes {
+ public:
+  // Makes the depth source of a scene, which outlives it.
+  using SourceOf = std::function<absl::StatusOr<std::unique_ptr<DepthSource>>(const Scene& scene)>;
+
+  ObjectVolumes(const ShadowVolumeOptions& options, ObjectPrecision precision, SourceOf source_of)
+      : options_(options), precision_(precision), source_of_(std::move(source_of)) {}
+
+  // Volumes of all casters that the light sees, in the order of instances.
+  //
+  // Errors  those of CheckShadowVolumeOptions, of `source_of` and of DepthSource::Draw, after which
+  //         what was made is kept
+  absl::StatusOr<ShadowVolumeMesh> Update(const Scene& scene, const AreaLight& light,
+                                          const std::stop_token& stop);
+
+  // Volumes that the last Update made anew.
+  size_t made() const { return made_; }
+
+ private:
+  struct Kept {
+    ContentHash content;
+    std::shared_ptr<const ShadowVolume> volume;  // null: the light sees nothing of it
+    double edge_fraction = 0;
+  };
+
+  absl::StatusOr<Kept> Make(const std::shared_ptr<const Instance>& instance, const AreaLight& light,
+                            double pitch, const std::stop_token& stop);
+
+  const ShadowVolumeOptions options_;
+  const ObjectPrecision precision_;
+  const SourceOf source_of_;
+  std::map<std::string, Kept> kept_;  // by instance
+  size_t made_ = 0;
+};
+
+}  // namespace penumbra
