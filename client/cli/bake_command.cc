@@ -1,4 +1,5 @@
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -50,7 +51,24 @@ size_t LayerCount(const AttenuationLdi& ldi) {
   return layers;
 }
 
+size_t TexelCount(const ShadowWidthMap& map) {
+  size_t texels = 0;
+  for (const ShadowWidthFace& face : map.faces) texels += face.near.widths.size();
+  return texels;
+}
+
+// Of artifacts that have faces; nullopt for others.
+std::optional<size_t> FaceCount(const ArtifactPayload& payload) {
+  if (const auto* ldi = std::get_if<AttenuationLdi>(&payload)) return ldi->faces.size();
+  if (const auto* map = std::get_if<ShadowWidthMap>(&payload)) return map->faces.size();
+  return std::nullopt;
+}
+
 std::string Describe(const BakeRecord& record) {
+  if (const auto* map = std::get_if<ShadowWidthMap>(&record.artifact.payload)) {
+    return absl::StrFormat("%s: %d texels on %d face%s, %.1f ms", record.name, TexelCount(*map),
+                           map->faces.size(), map->faces.size() == 1 ? "" : "s", record.wall_ms);
+  }
   if (const auto* ldi = std::get_if<AttenuationLdi>(&record.artifact.payload)) {
     return absl::StrFormat("%s: %d layers on %d face%s, %d light samples, %.1f ms", record.name,
                            LayerCount(*ldi), ldi->faces.size(), ldi->faces.size() == 1 ? "" : "s",
@@ -76,8 +94,10 @@ Json ToJson(const BakeRecord& record, const BakeCommand& command,
     json["height"] = texels->visibility.height;
     json["inside_texels"] = InsideCount(*texels);
     json["visible_percent"] = VisiblePercent(*texels);
+  } else if (const auto* ldi = std::get_if<AttenuationLdi>(&record.artifact.payload)) {
+    json["layers"] = LayerCount(*ldi);
   } else {
-    json["layers"] = LayerCount(std::get<AttenuationLdi>(record.artifact.payload));
+    json["texels"] = TexelCount(std::get<ShadowWidthMap>(record.artifact.payload));
   }
   json["files"] = std::move(paths);
   json["wall_ms"] = record.wall_ms;
@@ -96,8 +116,7 @@ absl::StatusOr<Json> BakeAll(const BakeCommand& command, const ShadowPlan& plan,
     const double start_ms = NowMs();
     const auto artifact = ComputeShadow(engine, scene_id, spec, name, progress, stop);
     if (!artifact.ok()) return artifact.status();
-    if (const auto* ldi = std::get_if<AttenuationLdi>(&(*artifact)->payload);
-        ldi && ldi->faces.empty()) {
+    if (FaceCount((*artifact)->payload) == 0) {
       progress.Finish(absl::StrCat(name, ": the light sees nothing, no file is written"));
       continue;
     }

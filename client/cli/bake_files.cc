@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "client/cli/output_files.h"
+#include "client/cli/width_map_files.h"
 #include "client/display/deep_exr.h"
 #include "client/display/image_io.h"
 #include "client/display/tone.h"
@@ -97,6 +98,9 @@ float ExposureFor(const SoftShadowTexture&, const Picture& picture) {
 float ExposureFor(const AttenuationLdi&, const Picture& picture) {
   return ExposureForBrightest(picture);
 }
+float ExposureFor(const ShadowWidthMap&, const Picture& picture) {
+  return ExposureForBrightest(picture);
+}
 // As a view of the scene is exposed: next to a lamp all else would be black.
 float ExposureFor(const ViewShadow& view, const Picture& picture) {
   return view.radiance ? SuggestExposure(picture) : ExposureForBrightest(picture);
@@ -106,6 +110,7 @@ float ExposureFor(const ViewShadow& view, const Picture& picture) {
 // are shown like these.
 const CoverageMask* ShownOf(const SoftShadowTexture&) { return nullptr; }
 const CoverageMask* ShownOf(const AttenuationLdi&) { return nullptr; }
+const CoverageMask* ShownOf(const ShadowWidthMap&) { return nullptr; }
 const CoverageMask* ShownOf(const ViewShadow& view) { return view.coverage.get(); }
 
 absl::Status WriteNumbers(const std::filesystem::path& path, const ShadowTexels& texels,

@@ -60,16 +60,31 @@ Json ToJson(const LightmapTexels& lightmap) {
 
 Json ToJson(const GivenPoints&) { return "as they were given"; }
 
-// How far apart a face's pixels are, and where it looks from.
-Json ToJson(const LdiFace& face) {
-  const LightView& view = face.view;
+// How many pixels a view has, and where it looks from.
+Json ToJson(const LightView& view) {
   const DVec3 n = view.frame.axes.n, eye = view.frame.ToWorld(view.eye);
   return {{"from_infinity", view.from_infinity},
           {"eye", ToJson(Vec3(view.from_infinity ? view.frame.origin : eye))},
           {"looks_along", ToJson(Vec3(n))},
           {"width", view.width},
-          {"height", view.height},
-          {"layers", face.layer_count()}};
+          {"height", view.height}};
+}
+
+Json ToJson(const LdiFace& face) {
+  Json json = ToJson(face.view);
+  json["layers"] = face.layer_count();
+  return json;
+}
+
+// With all that it takes to find a point's texel.
+Json ToJson(const ShadowWidthFace& face) {
+  Json json = ToJson(face.view);
+  const Window& window = face.view.window;
+  json["axis_s"] = ToJson(Vec3(face.view.frame.axes.s));
+  json["axis_t"] = ToJson(Vec3(face.view.frame.axes.t));
+  json["window"] = {window.min.x, window.min.y, window.max.x, window.max.y};
+  json["layers"] = face.far ? 2 : 1;
+  return json;
 }
 
 size_t InsideCount(const ShadowTexels& texels) {
@@ -97,6 +112,12 @@ struct Particulars {
     for (const LdiFace& face : ldi.faces) json["faces"].push_back(ToJson(face));
     json["sample_count"] = ldi.sample_count;
     json["tolerance"] = ldi.tolerance;
+  }
+  void operator()(const ShadowWidthMap& map) const {
+    json["faces"] = Json::array();
+    for (const ShadowWidthFace& face : map.faces) json["faces"].push_back(ToJson(face));
+    if (map.c_scale) json["c_scale"] = *map.c_scale;
+    json["c_bias"] = map.c_bias;
   }
 };
 

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client/cli/fitting_options.h"
 #include "client/cli/option_error.h"
 #include "client/cli/parameter_option.h"
 #include "render/scene/field_error.h"
@@ -77,15 +78,31 @@ absl::StatusOr<TechniqueParams> ReadTechnique(std::string_view option, std::stri
 absl::Status SetSamples(TechniqueParams& params, std::string_view text) {
   const auto samples = ReadInteger<uint32_t>(text);
   if (!samples) return RangeError("--samples", text, "a whole number");
-  std::visit([&](auto& p) { p.samples = *samples; }, params);
-  return absl::OkStatus();
+  return std::visit(
+      [&](auto& p) {
+        if constexpr (requires { p.samples; }) {
+          p.samples = *samples;
+          return absl::OkStatus();
+        } else {
+          return TechniqueConflict("--samples", params, "one that samples the light");
+        }
+      },
+      params);
 }
 
 absl::Status SetSeed(TechniqueParams& params, std::string_view text) {
   const auto seed = ReadInteger<uint64_t>(text);
   if (!seed) return RangeError("--seed", text, "a whole number of 64 bits");
-  std::visit([&](auto& p) { p.seed = *seed; }, params);
-  return absl::OkStatus();
+  return std::visit(
+      [&](auto& p) {
+        if constexpr (requires { p.seed; }) {
+          p.seed = *seed;
+          return absl::OkStatus();
+        } else {
+          return TechniqueConflict("--seed", params, "one that samples the light");
+        }
+      },
+      params);
 }
 
 absl::Status SetTimeBudget(std::string_view text, float& time_budget_ms) {

@@ -63,6 +63,12 @@ absl::Status SetNamed(std::string_view text, std::span<const std::string_view> n
 absl::Status Set(std::string_view text, DepthMethod& value) {
   return SetNamed(text, kDepthMethodNames, value);
 }
+absl::Status Set(std::string_view text, DistanceMethod& value) {
+  return SetNamed(text, kDistanceMethodNames, value);
+}
+absl::Status Set(std::string_view text, BlockerDepth& value) {
+  return SetNamed(text, kBlockerDepthNames, value);
+}
 absl::Status Set(std::string_view text, RayBackend& value) {
   return SetNamed(text, kRayBackendNames, value);
 }
@@ -106,6 +112,14 @@ constexpr Parameter<Coherent> kCoherent[] = {
     Of<Coherent, &Coherent::shadow_bias>("shadow_bias"),
 };
 
+using Width = ShadowWidthParams;
+constexpr Parameter<Width> kWidth[] = {
+    Of<Width, &Width::resolution>("resolution"), Of<Width, &Width::distance>("distance"),
+    Of<Width, &Width::layers>("layers"),         Of<Width, &Width::blocker_depth>("blocker_depth"),
+    Of<Width, &Width::c_scale>("c_scale"),       Of<Width, &Width::c_bias>("c_bias"),
+    Of<Width, &Width::source>("source"),
+};
+
 struct Unknown {};
 
 // A status, or that there is no such parameter.
@@ -128,6 +142,11 @@ Outcome SetOf(LayeredAttenuationParams& params, TechniqueParams&, std::string_vi
 Outcome SetOf(CoherentRaytraceParams& params, TechniqueParams&, std::string_view name,
               std::string_view value) {
   return SetOneOf(kCoherent, params, name, value);
+}
+
+Outcome SetOf(ShadowWidthParams& params, TechniqueParams&, std::string_view name,
+              std::string_view value) {
+  return SetOneOf(kWidth, params, name, value);
 }
 
 // Each of its parameters has an option of its own.

@@ -2,8 +2,10 @@
 
 #include <bit>
 #include <cmath>
+#include <span>
 #include <variant>
 
+#include "render/artifact/light_width.h"
 #include "render/scene/camera.h"
 #include "render/scene/unoccluded_light.h"
 
@@ -56,6 +58,38 @@ class PixelValue {
   float strength_ = 0.0f;
 };
 
+GpuLightFace FaceOf(const LightView& view) {
+  return {.origin = Vec4(Vec3(view.frame.origin), view.from_infinity ? 1.0f : 0.0f),
+          .axis_s = Vec4(Vec3(view.frame.axes.s), 0),
+          .axis_t = Vec4(Vec3(view.frame.axes.t), 0),
+          .axis_n = Vec4(Vec3(view.frame.axes.n), 0),
+          .window = Vec4(Vec2(view.window.min), Vec2(view.pixels_per_slope())),
+          .width = view.width,
+          .height = view.height};
+}
+
+// Returns where they begin.
+uint32_t AppendFloats(std::span<const float> floats, std::vector<uint32_t>& words) {
+  const uint32_t first = Size(words);
+  for (const float x : floats) words.push_back(std::bit_cast<uint32_t>(x));
+  return first;
+}
+
+// The light's axes, and which texels the face tells of.
+uint32_t AppendExtent(const ShadowWidthFace& face, const AreaLight& light,
+                      std::vector<uint32_t>& words) {
+  std::vector<float> numbers;
+  const LightWidth width(light, face.view);
+  for (const DVec3& axis : width.axes()) {
+    for (int c = 0; c < 3; ++c) numbers.push_back(static_cast<float>(axis[c]));
+  }
+  for (const DVec2 corner : {face.window.min, face.window.max}) {
+    const DVec2 texel = (corner - face.view.window.min) * face.view.pixels_per_slope();
+    for (int c = 0; c < 2; ++c) numbers.push_back(static_cast<float>(texel[c]));
+  }
+  return AppendFloats(numbers, words);
+}
+
 }  // namespace
 
 void ShadowWords::Append(const AttenuationLdi& ldi, LightShadow& shadow) {
@@ -64,20 +98,30 @@ void ShadowWords::Append(const AttenuationLdi& ldi, LightShadow& shadow) {
   shadow.sample_count = ldi.sample_count;
   shadow.tolerance = ldi.tolerance;
   for (const LdiFace& face : ldi.faces) {
-    const LightView& view = face.view;
-    GpuLdiFace gpu{.origin = Vec4(Vec3(view.frame.origin), view.from_infinity ? 1.0f : 0.0f),
-                   .axis_s = Vec4(Vec3(view.frame.axes.s), 0),
-                   .axis_t = Vec4(Vec3(view.frame.axes.t), 0),
-                   .axis_n = Vec4(Vec3(view.frame.axes.n), 0),
-                   .window = Vec4(Vec2(view.window.min), Vec2(view.pixels_per_slope())),
-                   .width = view.width,
-                   .height = view.height};
-    gpu.first_offset = Size(words);
+    GpuLightFace gpu = FaceOf(face.view);
+    gpu.first_words[0] = Size(words);
     words.insert(words.end(), face.offsets.begin(), face.offsets.end());
-    gpu.first_depth = Size(words);
-    for (const float depth : face.depths) words.push_back(std::bit_cast<uint32_t>(depth));
-    gpu.first_count = Size(words);
+    gpu.first_words[1] = AppendFloats(face.depths, words);
+    gpu.first_words[2] = Size(words);
     AppendCounts(face.counts, words);
+    faces.push_back(gpu);
+  }
+}
+
+void ShadowWords::Append(const ShadowWidthMap& map, LightShadow& shadow) {
+  shadow.first_width_face = static_cast<uint32_t>(faces.size());
+  shadow.width_face_count = static_cast<uint32_t>(map.faces.size());
+  shadow.c_scale = map.c_scale.value_or(-1.0f);
+  shadow.c_bias = map.c_bias;
+  for (const ShadowWidthFace& face : map.faces) {
+    GpuLightFace gpu = FaceOf(face.view);
+    gpu.first_words[0] = AppendFloats(face.near.depths, words);
+    gpu.first_words[1] = AppendFloats(face.near.widths, words);
+    if (face.far) {
+      gpu.first_words[2] = AppendFloats(face.far->depths, words);
+      gpu.first_words[3] = AppendFloats(face.far->widths, words);
+    }
+    gpu.first_words[4] = AppendExtent(face, map.light, words);
     faces.push_back(gpu);
   }
 }

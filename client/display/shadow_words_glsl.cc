@@ -2,7 +2,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/substitute.h"
-#include "render/artifact/attenuation_ldi.h"
+#include "client/display/shadow_width_glsl.h"
+#include "render/artifact/plane_on_image.h"
 #include "render/gl/program.h"
 
 namespace penumbra {
@@ -11,30 +12,31 @@ namespace {
 constexpr char kBlocks[] = R"glsl(
 struct LightShadow {
   uvec4 layers;  // first face, faces, samples, tolerance
+  uvec4 widths;  // first face, faces, c_scale, c_bias
   mat4 pixel_from_world;
   uvec4 picture;  // width, height, first word, whether it has shares
 };
-struct LdiFace {
+struct LightFace {
   vec4 origin;
   vec4 s;
   vec4 t;
   vec4 n;
   vec4 window;
-  uvec4 image;  // width, height, first offset, first depth
-  uvec4 rest;   // first count
+  uvec4 image;  // width, height; GpuLightFace::first_words, two of them
+  uvec4 rest;   // the other four
 };
 layout(std430, binding = $0) readonly buffer LightShadows { LightShadow light_shadows[]; };
-layout(std430, binding = $1) readonly buffer LdiFaces { LdiFace ldi_faces[]; };
+layout(std430, binding = $1) readonly buffer LightFaces { LightFace light_faces[]; };
 layout(std430, binding = $2) readonly buffer Words { uint words[]; };
 )glsl";
 
-// As in render/artifact/attenuation_ldi.cc, where it is derived.
+// As in render/artifact/plane_on_image.cc and attenuation_ldi.cc, where it is derived.
 constexpr char kGlsl[] = R"glsl(
 const int kSeen = 0, kHidden = 1, kAbsent = 2;
 
 float NearnessOf(bool from_infinity, float depth) { return from_infinity ? -depth : 1.0 / depth; }
 
-int FindLayer(LdiFace face, uint pixel, float nearness, float tolerance, out uint count) {
+int FindLayer(LightFace face, uint pixel, float nearness, float tolerance, out uint count) {
   bool from_infinity = face.origin.w != 0.0;
   int sight = kAbsent;
   float least = tolerance;
@@ -63,7 +65,7 @@ struct PlaneOnImage {
   float width;
 };
 
-bool FindOnImage(LdiFace face, vec3 point, vec3 n, out PlaneOnImage plane) {
+bool FindOnImage(LightFace face, vec3 point, vec3 n, out PlaneOnImage plane) {
   bool from_infinity = face.origin.w != 0.0;
   vec3 way = point - face.origin.xyz;
   vec3 q = vec3(dot(way, face.s.xyz), dot(way, face.t.xyz), dot(way, face.n.xyz));
@@ -83,7 +85,7 @@ bool FindOnImage(LdiFace face, vec3 point, vec3 n, out PlaneOnImage plane) {
   return true;
 }
 
-float VisibilityOnFace(LdiFace face, uint samples, float pixels, PlaneOnImage plane) {
+float VisibilityOnFace(LightFace face, uint samples, float pixels, PlaneOnImage plane) {
   float tolerance = pixels * (plane.width + abs(plane.gradient.x) + abs(plane.gradient.y));
   vec2 first = floor(plane.at - 0.5);
   float seen = 0.0, weights = 0.0;
@@ -108,8 +110,8 @@ float LayerVisibility(int light, vec3 point, vec3 n) {
   uvec4 layers = light_shadows[light].layers;
   for (uint i = layers.x; i < layers.x + layers.y; ++i) {
     PlaneOnImage plane;
-    if (FindOnImage(ldi_faces[i], point, n, plane)) {
-      return VisibilityOnFace(ldi_faces[i], layers.z, uintBitsToFloat(layers.w), plane);
+    if (FindOnImage(light_faces[i], point, n, plane)) {
+      return VisibilityOnFace(light_faces[i], layers.z, uintBitsToFloat(layers.w), plane);
     }
   }
   return 1.0;
@@ -143,7 +145,7 @@ std::string ShadowWordBlocksGlsl(const ShadowWordBindings& bindings) {
 
 std::string ShadowWordsGlsl(const ShadowWordBindings& bindings) {
   return absl::StrCat(gl::GlslConstant("kMaxSteepness", kMaxSteepness),
-                      ShadowWordBlocksGlsl(bindings), kGlsl);
+                      ShadowWordBlocksGlsl(bindings), kGlsl, ShadowWidthGlsl());
 }
 
 }  // namespace penumbra

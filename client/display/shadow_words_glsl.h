@@ -1,4 +1,5 @@
-// How much of a light a surface sees by its layered attenuation map, or by a picture, in GLSL.
+// How much of a light a surface sees by its layered attenuation map, its shadow-width map, or by a
+// picture, in GLSL.
 #pragma once
 
 #include <string>
@@ -8,7 +9,7 @@ namespace penumbra {
 // Where the storage blocks of ShadowWords are.
 struct ShadowWordBindings {
   int shadows;  // LightShadow, one a light
-  int faces;    // GpuLdiFace
+  int faces;    // GpuLightFace
   int words;
 };
 
@@ -17,6 +18,8 @@ struct ShadowWordBindings {
 //   bool HasLayers(int light)
 //   float LayerVisibility(int light, vec3 point, vec3 n)   by the layers alone: at most
 //                                                          LightAbovePlane() of it can be right
+//   bool HasWidths(int light)
+//   float WidthVisibility(int light, vec3 point, vec3 n)   by the shadow-width map alone, likewise
 //   bool FindInPicture(int light, vec3 at_center, vec3 inside, out float value)
 //   bool HasShares(int light)                              whether that value is of the light seen,
 //                                                          or of its strength reflected

@@ -146,6 +146,9 @@ vec3 Shade(vec3 position, vec3 face_normal, vec3 n) {
     } else if (receives && HasLayers(i)) {
       share = ShareAbove(LayerVisibility(i, position, face_normal),
                          LightAbovePlane(lights[i], position, face_normal));
+    } else if (receives && HasWidths(i)) {
+      share = ShareAbove(WidthVisibility(i, position, face_normal),
+                         LightAbovePlane(lights[i], position, face_normal));
     }
     if (share > 0.0) sum += share * UnoccludedRadiance(lights[i], position, n);
   }

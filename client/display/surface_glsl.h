@@ -15,10 +15,10 @@ inline constexpr int kCountsBinding = 2;
 inline constexpr int kCandidatesBinding = 3;
 inline constexpr int kFaceNormalsBinding = 4;
 inline constexpr int kLightShadowsBinding = 5;
-inline constexpr int kLdiFacesBinding = 6;
+inline constexpr int kLightFacesBinding = 6;
 inline constexpr int kWordsBinding = 7;
 inline constexpr ShadowWordBindings kShadowWordBindings = {
-    .shadows = kLightShadowsBinding, .faces = kLdiFacesBinding, .words = kWordsBinding};
+    .shadows = kLightShadowsBinding, .faces = kLightFacesBinding, .words = kWordsBinding};
 // Texture unit of the alpha mask.
 inline constexpr int kMaskUnit = 0;
 

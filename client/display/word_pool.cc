@@ -34,8 +34,9 @@ void WordPool::Clear() {
 WordPool::Chosen WordPool::Choose(const DrawList& list, const Camera& camera) {
   std::map<std::pair<uint32_t, size_t>, std::shared_ptr<const Artifact>> last;
   for (const auto& [light, artifact] : list.of_any_surface) {
-    const bool has_layers = std::holds_alternative<AttenuationLdi>(artifact->payload);
-    if (!has_layers && !IsPictureOf(*artifact, camera)) continue;
+    const bool is_for_any_view = std::holds_alternative<AttenuationLdi>(artifact->payload) ||
+                                 std::holds_alternative<ShadowWidthMap>(artifact->payload);
+    if (!is_for_any_view && !IsPictureOf(*artifact, camera)) continue;
     last[{light, artifact->payload.index()}] = artifact;
   }
   Chosen chosen;
@@ -53,6 +54,8 @@ absl::Status WordPool::Update(gl::Context& context, const DrawList& list, const 
   for (const auto& [light, artifact] : now) {
     if (const auto* ldi = std::get_if<AttenuationLdi>(&artifact->payload)) {
       words.Append(*ldi, shadows[light]);
+    } else if (const auto* map = std::get_if<ShadowWidthMap>(&artifact->payload)) {
+      words.Append(*map, shadows[light]);
     } else {
       words.Append(std::get<ViewShadow>(artifact->payload), shadows[light]);
     }
@@ -88,7 +91,7 @@ absl::Status WordPool::Upload(gl::Context& context, ShadowWords words,
 
 void WordPool::Bind(gl::Context& context) const {
   shadows_.BindStorage(context, kLightShadowsBinding);
-  faces_.BindStorage(context, kLdiFacesBinding);
+  faces_.BindStorage(context, kLightFacesBinding);
   words_.BindStorage(context, kWordsBinding);
 }
 

@@ -27,6 +27,7 @@ absl::Status ArtifactAssembler::Begin(const v1::ArtifactUpdate& message) {
   revision_ = message.revision();
   next_ = nullptr;
   next_ldi_.reset();
+  next_widths_.reset();
   if (!message.has_header()) return absl::OkStatus();
   auto artifact = FromProto(message.header(), limits_);
   if (!artifact.ok()) return artifact.status();
@@ -39,6 +40,10 @@ absl::Status ArtifactAssembler::Begin(const v1::ArtifactUpdate& message) {
 void ArtifactAssembler::BeginPayload(const Artifact* before) {
   if (ShadowTexels* texels = TexelsOf(next_->payload)) {
     texels_.Begin(before ? TexelsOf(before->payload) : nullptr, *texels);
+    return;
+  }
+  if (auto* const map = std::get_if<ShadowWidthMap>(&next_->payload)) {
+    next_widths_.emplace(*map, before ? std::get_if<ShadowWidthMap>(&before->payload) : nullptr);
     return;
   }
   const auto& ldi = std::get<AttenuationLdi>(next_->payload);
@@ -75,7 +80,14 @@ absl::Status ArtifactAssembler::AddParts(const v1::ArtifactUpdate& message) {
   if (message.ldi_tiles_size() > 0 && !next_ldi_) {
     return Incomplete("found layers, need a header that has some before them");
   }
+  if (message.width_tiles_size() > 0 && !next_widths_) {
+    return Incomplete("found widths, need a header that has some before them");
+  }
   if (texels) return texels_.Add(message, *texels);
+  for (const auto& tile : message.width_tiles()) {
+    absl::Status status = next_widths_->Add(tile, std::get<ShadowWidthMap>(next_->payload));
+    if (!status.ok()) return status;
+  }
   for (const auto& tile : message.ldi_tiles()) {
     if (auto status = next_ldi_->Add(tile); !status.ok()) return status;
   }
@@ -83,12 +95,15 @@ absl::Status ArtifactAssembler::AddParts(const v1::ArtifactUpdate& message) {
 }
 
 absl::Status ArtifactAssembler::FinishPayload() {
-  if (!next_ldi_) return texels_.Finish();
-  if (const size_t missing = next_ldi_->missing_count(); missing > 0) {
+  if (!next_ldi_ && !next_widths_) return texels_.Finish();
+  const size_t missing = next_ldi_ ? next_ldi_->missing_count() : next_widths_->missing_count();
+  if (missing > 0) {
     return Incomplete("found " + std::to_string(missing) + " tiles missing, need all");
   }
-  next_ldi_->Finish(std::get<AttenuationLdi>(next_->payload));
-  ldi_ = std::exchange(next_ldi_, std::nullopt);
+  if (next_ldi_) {
+    next_ldi_->Finish(std::get<AttenuationLdi>(next_->payload));
+    ldi_ = std::exchange(next_ldi_, std::nullopt);
+  }
   return absl::OkStatus();
 }
 

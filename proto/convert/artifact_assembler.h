@@ -14,6 +14,7 @@
 #include "penumbra/v1/artifact.pb.h"
 #include "proto/convert/ldi_codec.h"
 #include "proto/convert/texel_assembler.h"
+#include "proto/convert/width_codec.h"
 #include "render/engine/engine.h"
 #include "render/scene/scene_limits.h"
 
@@ -25,8 +26,8 @@ class ArtifactAssembler {
 
   // The update, once `message` completes it.
   //
-  // Errors  those of FromProto, TexelAssembler and LdiTiles; kDataLoss INCOMPLETE: a tile or a part
-  //         of the mask is missing. The subscription cannot go on after one.
+  // Errors  those of FromProto, TexelAssembler, LdiTiles and WidthTiles; kDataLoss INCOMPLETE: a
+  //         tile or a part of the mask is missing. The subscription cannot go on after one.
   absl::StatusOr<std::optional<ArtifactUpdate>> Add(const v1::ArtifactUpdate& message);
 
   // What to acknowledge after a complete update.
@@ -48,6 +49,7 @@ class ArtifactAssembler {
   TexelAssembler texels_;
   std::optional<LdiTiles> next_ldi_;          // of an attenuation LDI in the making
   std::optional<LdiTiles> ldi_;               // of the newest complete one
+  std::optional<WidthTiles> next_widths_;     // of a shadow-width map in the making
   std::shared_ptr<const Artifact> artifact_;  // the newest complete one
 };
 

@@ -9,6 +9,7 @@
 #include "proto/convert/ldi_convert.h"
 #include "proto/convert/light_convert.h"
 #include "proto/convert/points_convert.h"
+#include "proto/convert/width_convert.h"
 #include "render/scene/field_error.h"
 
 namespace penumbra {
@@ -63,6 +64,10 @@ void Write(const SoftShadowTexture& texture, v1::ArtifactHeader& proto) {
 
 void Write(const AttenuationLdi& ldi, v1::ArtifactHeader& proto) {
   *proto.mutable_attenuation_ldi() = penumbra::ToProto(ldi);
+}
+
+void Write(const ShadowWidthMap& map, v1::ArtifactHeader& proto) {
+  *proto.mutable_shadow_width_map() = penumbra::ToProto(map);
 }
 
 void Write(const ViewShadow& shadow, v1::ArtifactHeader& proto) {
@@ -192,6 +197,8 @@ absl::StatusOr<ArtifactPayload> ReadPayload(const v1::ArtifactHeader& proto,
       return PayloadOf(FromProto(proto.attenuation_ldi(), limits));
     case v1::ArtifactHeader::kViewShadow:
       return PayloadOf(Read(proto.view_shadow(), limits));
+    case v1::ArtifactHeader::kShadowWidthMap:
+      return PayloadOf(FromProto(proto.shadow_width_map(), limits));
     case v1::ArtifactHeader::KIND_NOT_SET:
       break;
   }

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "proto/convert/float_plane.h"
 #include "render/scene/field_error.h"
 
 namespace penumbra {
@@ -50,46 +51,6 @@ bool Equal(const std::vector<T>& a, Span span_a, const std::vector<T>& b, Span s
                     a.begin() + static_cast<std::ptrdiff_t>(span_a.end),
                     b.begin() + static_cast<std::ptrdiff_t>(span_b.begin),
                     b.begin() + static_cast<std::ptrdiff_t>(span_b.end));
-}
-
-bool IsSameView(const LightView& a, const LightView& b) {
-  const auto numbers = [](const LightView& v) {
-    return std::array{v.frame.origin,
-                      v.frame.axes.s,
-                      v.frame.axes.t,
-                      v.frame.axes.n,
-                      v.eye,
-                      DVec3(v.window.min, v.near),
-                      DVec3(v.window.max, v.far)};
-  };
-  return a.from_infinity == b.from_infinity && a.width == b.width && a.height == b.height &&
-         numbers(a) == numbers(b);
-}
-
-// Depths change little from layer to layer, so do their bits, and then most of the high bytes of
-// the differences are 0.
-void PackDepths(std::span<const float> depths, std::vector<char>& plane) {
-  plane.resize(depths.size() * 4);
-  uint32_t before = 0;
-  for (size_t i = 0; i < depths.size(); ++i) {
-    const auto bits = std::bit_cast<uint32_t>(depths[i]);
-    const uint32_t difference = bits - std::exchange(before, bits);
-    for (size_t k = 0; k < 4; ++k) {
-      plane[k * depths.size() + i] = static_cast<char>(difference >> (8 * k));
-    }
-  }
-}
-
-void UnpackDepths(std::span<const char> plane, std::vector<float>& depths) {
-  const size_t count = plane.size() / 4;
-  depths.resize(count);
-  uint32_t bits = 0;
-  for (size_t i = 0; i < count; ++i) {
-    for (size_t k = 0; k < 4; ++k) {
-      bits += uint32_t{static_cast<uint8_t>(plane[k * count + i])} << (8 * k);
-    }
-    depths[i] = std::bit_cast<float>(bits);
-  }
 }
 
 size_t BytesPerCount(uint32_t sample_count) { return sample_count <= 255 ? 1 : 2; }
@@ -172,7 +133,7 @@ v1::LdiTile LdiTileEncoder::Encode(const AttenuationLdi& ldi, const LdiTilePlace
     counts.insert(counts.end(), face.counts.data() + row.begin, face.counts.data() + row.end);
   }
   tile.set_layers_codec(packer_.Pack(plane_, *tile.mutable_layers()));
-  PackDepths(depths, plane_);
+  ToPlane(depths, plane_);
   tile.set_depths_codec(packer_.Pack(plane_, *tile.mutable_depths()));
   const size_t bytes = BytesPerCount(ldi.sample_count);
   plane_.resize(counts.size() * bytes);
@@ -224,7 +185,7 @@ absl::Status LdiTiles::Read(const v1::LdiTile& proto, bool from_infinity, Tile& 
   const auto depths =
       unpacker.Unpack(proto.depths_codec(), proto.depths(), count * 4, "ldi_tile.depths");
   if (!depths.ok()) return depths.status();
-  UnpackDepths(*depths, tile.depths);
+  FromPlane(*depths, tile.depths);
   if (!AreInOrder(tile.layers, tile.depths, from_infinity)) {
     return Invalid("RANGE", "ldi_tile.depths",
                    "found some that are no depths, or not each pixel's nearest first");

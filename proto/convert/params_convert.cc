@@ -52,6 +52,18 @@ void Write(const CoherentRaytraceParams& params, v1::ArtifactSpec& proto) {
   parameters.set_shadow_bias(params.shadow_bias);
 }
 
+void Write(const ShadowWidthParams& params, v1::ArtifactSpec& proto) {
+  auto& parameters = *proto.mutable_shadow_width();
+  parameters.set_resolution(params.resolution);
+  parameters.set_distance(static_cast<v1::DistanceMethod>(static_cast<int>(params.distance) + 1));
+  parameters.set_layers(params.layers);
+  parameters.set_blocker_depth(
+      static_cast<v1::BlockerDepth>(static_cast<int>(params.blocker_depth) + 1));
+  parameters.set_c_scale(params.c_scale);
+  parameters.set_c_bias(params.c_bias);
+  parameters.set_source(static_cast<v1::DepthSource>(static_cast<int>(params.source) + 1));
+}
+
 namespace {
 
 // The value that `number` stands for, which the protocol counts from 1; `value` stays as it is for
@@ -131,11 +143,27 @@ absl::StatusOr<TechniqueParams> Read(const v1::CoherentRaytraceParameters& proto
   return params;
 }
 
+absl::StatusOr<TechniqueParams> Read(const v1::ShadowWidthParameters& proto) {
+  ShadowWidthParams params;
+  if (proto.has_resolution()) params.resolution = proto.resolution();
+  if (proto.has_layers()) params.layers = proto.layers();
+  params.c_scale = proto.c_scale();
+  params.c_bias = proto.c_bias();
+  absl::Status status = ReadEnum(proto.distance(), kDistanceMethodNames.size(),
+                                 "spec.shadow_width.distance", params.distance);
+  status.Update(ReadEnum(proto.blocker_depth(), kBlockerDepthNames.size(),
+                         "spec.shadow_width.blocker_depth", params.blocker_depth));
+  status.Update(ReadEnum(proto.source(), kDepthMethodNames.size(), "spec.shadow_width.source",
+                         params.source));
+  if (!status.ok()) return status;
+  return params;
+}
+
 }  // namespace
 
 absl::StatusOr<TechniqueParams> ReadParams(const v1::ArtifactSpec& proto) {
   // Every technique of the list needs a case below; the count makes a new one fail here.
-  static_assert(std::variant_size_v<TechniqueParams> == 3);
+  static_assert(std::variant_size_v<TechniqueParams> == 4);
   switch (proto.technique_case()) {
     case v1::ArtifactSpec::kSoftTexture:
       return Read(proto.soft_texture());
@@ -143,6 +171,8 @@ absl::StatusOr<TechniqueParams> ReadParams(const v1::ArtifactSpec& proto) {
       return Read(proto.layered_attenuation());
     case v1::ArtifactSpec::kCoherentRaytrace:
       return Read(proto.coherent_raytrace());
+    case v1::ArtifactSpec::kShadowWidth:
+      return Read(proto.shadow_width());
     case v1::ArtifactSpec::TECHNIQUE_NOT_SET:
       break;
   }

@@ -46,6 +46,10 @@ float VisibilityAt(const AttenuationLdi& ldi, Vec3 point, Vec3 normal) {
   return Visibility(ldi, point, normal);
 }
 
+float VisibilityAt(const ShadowWidthMap& map, Vec3 point, Vec3 normal) {
+  return Visibility(map, point, normal);
+}
+
 float VisibilityAt(const ViewShadow& shadow, Vec3 point, Vec3 /*normal*/) {
   const auto texel = TexelAt(shadow, point);
   return texel ? shadow.visibility.Fraction(texel->i, texel->j) : 0.0f;
@@ -60,6 +64,8 @@ bool CoversAt(const SoftShadowTexture& texture, Vec3 point) {
 }
 
 bool CoversAt(const AttenuationLdi& /*ldi*/, Vec3 /*point*/) { return true; }
+
+bool CoversAt(const ShadowWidthMap& /*map*/, Vec3 /*point*/) { return true; }
 
 bool CoversAt(const ViewShadow& shadow, Vec3 point) {
   const auto texel = TexelAt(shadow, point);

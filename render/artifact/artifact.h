@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/artifact/attenuation_ldi.h"
+#include "render/artifact/shadow_width_map.h"
 #include "render/artifact/soft_shadow_texture.h"
 #include "render/artifact/view_shadow.h"
 #include "render/scene/content_hash.h"
@@ -36,7 +37,7 @@ struct ArtifactHeader {
 };
 
 // One alternative for each kind of artifact.
-using ArtifactPayload = std::variant<SoftShadowTexture, AttenuationLdi, ViewShadow>;
+using ArtifactPayload = std::variant<SoftShadowTexture, AttenuationLdi, ViewShadow, ShadowWidthMap>;
 
 struct Artifact {
   ArtifactHeader header;

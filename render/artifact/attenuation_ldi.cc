@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "render/artifact/light_above_plane.h"
+#include "render/artifact/plane_on_image.h"
 
 namespace penumbra {
 namespace {
@@ -16,15 +16,11 @@ struct Found {
   uint16_t count;
 };
 
-double NearnessOf(const LightView& view, double depth) {
-  return view.from_infinity ? -depth : 1 / depth;
-}
-
 Found FindLayer(const LdiFace& face, size_t pixel, double nearness, double tolerance) {
   Found found{.sight = Sight::kAbsent, .count = 0};
   double least = tolerance;
   for (uint32_t i = face.offsets[pixel]; i < face.offsets[pixel + 1]; ++i) {
-    const double nearer = NearnessOf(face.view, double{face.depths[i]}) - nearness;
+    const double nearer = NearnessOf(face.view.from_infinity, double{face.depths[i]}) - nearness;
     if (std::abs(nearer) <= least) {
       least = std::abs(nearer);
       found = {.sight = Sight::kSeen, .count = face.counts[i]};
@@ -35,42 +31,10 @@ Found FindLayer(const LdiFace& face, size_t pixel, double nearness, double toler
   return found;
 }
 
-// The plane through a point, on a face's image.
-struct PlaneOnImage {
-  DVec2 at;  // in pixels
-  double nearness;
-  DVec2 gradient;  // of nearness, a pixel
-  double width;    // of a pixel, in terms of nearness
-
-  double At(DVec2 pixel) const { return nearness + glm::dot(gradient, pixel - at); }
-  double Tolerance(float tolerance) const {
-    return tolerance * (width + std::abs(gradient.x) + std::abs(gradient.y));
-  }
-};
-
-double Cut(double slope, double limit) {
-  return std::isnan(slope) ? limit : std::clamp(slope, -limit, limit);
-}
-
-// nullopt: the face does not see the point.
-std::optional<PlaneOnImage> OnImage(const LightView& view, DVec3 q, DVec3 normal) {
-  if (!view.from_infinity && !(q.z > 0)) return std::nullopt;
-  const DVec3 at = view.ProjectInFrame(q);
-  if (!(at.x >= 0 && at.y >= 0 && at.x <= view.width && at.y <= view.height)) return std::nullopt;
-  const DVec2 pixel = 1.0 / view.pixels_per_slope();
-  PlaneOnImage plane{.at = DVec2(at), .nearness = NearnessOf(view, q.z), .gradient{}, .width{}};
-  plane.width = std::max(pixel.x, pixel.y) * (view.from_infinity ? 1 : plane.nearness);
-  const double facing = view.from_infinity ? normal.z : glm::dot(normal, q);
-  const double limit = kMaxSteepness * plane.width;
-  plane.gradient =
-      DVec2(Cut(pixel.x * normal.x / facing, limit), Cut(pixel.y * normal.y / facing, limit));
-  return plane;
-}
-
 float Fraction(const LdiFace& face, const AttenuationLdi& ldi, const PlaneOnImage& plane) {
   const auto width = static_cast<int>(face.view.width);
   const auto height = static_cast<int>(face.view.height);
-  const double tolerance = plane.Tolerance(ldi.tolerance);
+  const double tolerance = ldi.tolerance * plane.spread();
   const DVec2 first = glm::floor(plane.at - 0.5);
   double seen = 0, weights = 0;
   for (int k = 0; k < 4; ++k) {
@@ -93,9 +57,7 @@ float Visibility(const AttenuationLdi& ldi, Vec3 point, Vec3 normal) {
   const float most = LightAbovePlane(ldi.light, point, normal);
   if (!(most > 0)) return 0.0f;
   for (const LdiFace& face : ldi.faces) {
-    const LightFrame& frame = face.view.frame;
-    const auto plane =
-        OnImage(face.view, frame.FromWorld(DVec3(point)), frame.DirectionFromWorld(DVec3(normal)));
+    const auto plane = PlaneOnImage::Find(face.view, DVec3(point), DVec3(normal));
     if (plane) return std::min(most, Fraction(face, ldi, *plane));
   }
   return most;

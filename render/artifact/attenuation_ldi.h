@@ -33,21 +33,11 @@ struct AttenuationLdi {
   float tolerance = 1.0f;
 };
 
-// Beyond this slope, in pixels' widths a pixel, a surface is seen too much from its edge for its
-// depth at the next pixel to be told.
-inline constexpr double kMaxSteepness = 16.0;
-
 // The fraction of the light that sees a surface at `point` from the side of `normal`, in [0, 1].
 //
-// Nearness r is 1/z, or −z from infinitely far. It is linear on the image of a plane, so that with
-// q = (x, y, z), the point in a face's frame, n, the normal there, and p, a pixel's size on the
-// image plane, r changes from pixel to pixel by
-//
-//   g = p · n.xy / (n · q)       from infinitely far  g = p · n.xy / n.z,
-//
-// cut to ±kMaxSteepness · w, where w = p · r, from infinitely far p, is what a pixel's width is to
-// r. At each of the four pixels around the point, d away, it is the layer nearest to r + g · d that
-// counts, if one is within tolerance · (w + |g.x| + |g.y|). Where there is none, but one nearer
+// The point's plane on a face's image (plane_on_image.h) says how near the surface is at pixels
+// around the point. At each of the four next to it, it is the layer nearest to that which
+// counts, if one is within tolerance · spread of it. Where there is none, but one nearer
 // than that, no sample has seen the surface there: 0. Where there is nothing nearer the surface's
 // edge is passed, and the pixel has no say; the rest is bilinear. Where no pixel has a say, and
 // outside of all windows, there is nothing that could hide the point: 1.

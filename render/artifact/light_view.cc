@@ -1,5 +1,7 @@
 #include "render/artifact/light_view.h"
 
+#include <array>
+
 namespace penumbra {
 
 Window Intersection(const Window& a, const Window& b) {
@@ -17,6 +19,20 @@ DVec3 LightView::PointAt(DVec2 pixel, double depth) const {
   const DVec3 q =
       from_infinity ? DVec3(at - depth * DVec2(eye), depth) : DVec3(at * depth, depth) + eye;
   return frame.ToWorld(q);
+}
+
+bool IsSameView(const LightView& a, const LightView& b) {
+  const auto numbers = [](const LightView& v) {
+    return std::array{v.frame.origin,
+                      v.frame.axes.s,
+                      v.frame.axes.t,
+                      v.frame.axes.n,
+                      v.eye,
+                      DVec3(v.window.min, v.near),
+                      DVec3(v.window.max, v.far)};
+  };
+  return a.from_infinity == b.from_infinity && a.width == b.width && a.height == b.height &&
+         numbers(a) == numbers(b);
 }
 
 }  // namespace penumbra

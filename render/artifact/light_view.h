@@ -61,4 +61,7 @@ struct LightView {
   DVec3 PointAt(DVec2 pixel, double depth) const;
 };
 
+// To the last bit.
+bool IsSameView(const LightView& a, const LightView& b);
+
 }  // namespace penumbra

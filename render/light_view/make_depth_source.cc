@@ -11,6 +11,13 @@
 
 namespace penumbra {
 
+absl::Status NoGl(std::string_view field, std::string_view found, std::string_view gl_error) {
+  return FieldError(absl::StatusCode::kFailedPrecondition, "NO_GL", field,
+                    absl::StrCat("found ", std::string(found),
+                                 ", need an engine with an OpenGL context, or another method",
+                                 gl_error.empty() ? "" : ": ", std::string(gl_error)));
+}
+
 absl::StatusOr<std::unique_ptr<DepthSource>> MakeDepthSource(DepthMethod method, const Scene& scene,
                                                              const DepthSourceMeans& means,
                                                              std::string field) {
@@ -23,10 +30,7 @@ absl::StatusOr<std::unique_ptr<DepthSource>> MakeDepthSource(DepthMethod method,
       return std::make_unique<RayDepthSource>(means.bvhs.Of(scene), means.arena);
     case DepthMethod::kGl:
       if (means.gl) return std::make_unique<GlDepthSource>(scene, *means.gl, std::move(field));
-      return FieldError(absl::StatusCode::kFailedPrecondition, "NO_GL", field,
-                        absl::StrCat("found gl, need an engine with an OpenGL context, or another "
-                                     "method",
-                                     means.gl_error.empty() ? "" : ": ", means.gl_error));
+      return NoGl(field, NameOf(DepthMethod::kGl), means.gl_error);
   }
   return std::make_unique<AutoDepthSource>(scene, means.bvhs, means.arena);
 }

@@ -39,6 +39,13 @@ std::string KeyOf(const CoherentRaytraceParams& params) {
                          params.gap_bias, params.shadow_bias);
 }
 
+std::string KeyOf(const ShadowWidthParams& params) {
+  return absl::StrFormat("%d %d %d %d %a %a %d", params.resolution,
+                         static_cast<int>(params.distance), params.layers,
+                         static_cast<int>(params.blocker_depth), params.c_scale, params.c_bias,
+                         static_cast<int>(params.source));
+}
+
 std::string NameOf(const ArtifactSpec& spec) { return std::string(InfoOf(spec.params).name); }
 
 absl::Status Unexpected(const ArtifactSpec& spec, std::string_view field) {

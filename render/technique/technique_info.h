@@ -27,6 +27,8 @@ struct TechniqueInfo {
   std::string_view summary;        // one sentence
   std::string_view artifact_kind;  // "soft_shadow_texture"
   SpecTarget target = SpecTarget::kReceiver;
+  // Its shadows look right, but no parameter makes them those of the light.
+  bool is_plausible = false;
   std::string_view source;  // the paper
   std::span<const ParameterInfo> parameters;
 };

@@ -36,6 +36,20 @@ void ForEachTile(size_t count, Encode encode) {
                    });
 }
 
+// Of a map that has faces: takes over from `previous` the tiles that are the same.
+template <typename Map, typename Place, typename Equal, typename Encode>
+void EncodeFaces(const Map& map, const std::vector<Place>& places, Equal equal,
+                 const EncodedArtifact* previous, EncodedArtifact& encoded, Encode encode) {
+  const auto* before = previous ? std::get_if<Map>(&previous->artifact->payload) : nullptr;
+  if (before && !HaveSameFaces(*before, map)) before = nullptr;
+  encoded.tiles.resize(places.size());
+  ForEachTile(places.size(), [&](size_t i) {
+    encoded.tiles[i] = before && equal(*before, map, places[i])
+                           ? previous->tiles[i]
+                           : EncodedTile{encoded.sequence, encode(places[i])};
+  });
+}
+
 }  // namespace
 
 void ArtifactEncoder::EncodeTexels(const ShadowTexels& texels, const EncodedArtifact* previous,
@@ -81,19 +95,19 @@ void ArtifactEncoder::EncodeCoverage(const ShadowTexels& texels, const EncodedAr
 
 void ArtifactEncoder::EncodeLayers(const AttenuationLdi& ldi, const EncodedArtifact* previous,
                                    EncodedArtifact& encoded) {
-  const std::vector<LdiTilePlace> places = LdiTilesOf(ldi);
-  const auto* before =
-      previous ? std::get_if<AttenuationLdi>(&previous->artifact->payload) : nullptr;
-  if (before && !HaveSameFaces(*before, ldi)) before = nullptr;
-  encoded.tiles.resize(places.size());
-  ForEachTile(places.size(), [&](size_t i) {
-    if (before && LdiTilesEqual(*before, ldi, places[i])) {
-      encoded.tiles[i] = previous->tiles[i];
-      return;
-    }
+  EncodeFaces(ldi, LdiTilesOf(ldi), LdiTilesEqual, previous, encoded, [&](const auto& place) {
     v1::ArtifactUpdate field;
-    *field.add_ldi_tiles() = packers_.local().layers.Encode(ldi, places[i]);
-    encoded.tiles[i] = {encoded.sequence, Bytes(field)};
+    *field.add_ldi_tiles() = packers_.local().layers.Encode(ldi, place);
+    return Bytes(field);
+  });
+}
+
+void ArtifactEncoder::EncodeWidths(const ShadowWidthMap& map, const EncodedArtifact* previous,
+                                   EncodedArtifact& encoded) {
+  EncodeFaces(map, WidthTilesOf(map), WidthTilesEqual, previous, encoded, [&](const auto& place) {
+    v1::ArtifactUpdate field;
+    *field.add_width_tiles() = packers_.local().widths.Encode(map, place);
+    return Bytes(field);
   });
 }
 
@@ -115,8 +129,10 @@ std::shared_ptr<const EncodedArtifact> ArtifactEncoder::Encode(
   }
   if (const ShadowTexels* texels = TexelsOf(artifact->payload)) {
     EncodeTexels(*texels, previous, *encoded);
+  } else if (const auto* ldi = std::get_if<AttenuationLdi>(&artifact->payload)) {
+    EncodeLayers(*ldi, previous, *encoded);
   } else {
-    EncodeLayers(std::get<AttenuationLdi>(artifact->payload), previous, *encoded);
+    EncodeWidths(std::get<ShadowWidthMap>(artifact->payload), previous, *encoded);
   }
   encoded->artifact = std::move(artifact);
   return encoded;

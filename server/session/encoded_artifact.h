@@ -12,6 +12,7 @@
 #include "grpcpp/support/slice.h"
 #include "proto/convert/ldi_codec.h"
 #include "proto/convert/tile_codec.h"
+#include "proto/convert/width_codec.h"
 #include "render/artifact/artifact.h"
 #include "tbb/enumerable_thread_specific.h"
 
@@ -49,10 +50,13 @@ class ArtifactEncoder {
                              EncodedArtifact& encoded);
   void EncodeLayers(const AttenuationLdi& ldi, const EncodedArtifact* previous,
                     EncodedArtifact& encoded);
+  void EncodeWidths(const ShadowWidthMap& map, const EncodedArtifact* previous,
+                    EncodedArtifact& encoded);
 
   struct Packers {
     TileEncoder texels;
     LdiTileEncoder layers;
+    WidthTileEncoder widths;
   };
   tbb::enumerable_thread_specific<Packers> packers_;
 };

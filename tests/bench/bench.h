@@ -40,7 +40,8 @@ std::vector<Row> CoherentRaytraceSuite(const BenchOptions& options);
 std::vector<Row> GlSuite(const BenchOptions& options);
 std::vector<Row> LightViewSuite(const BenchOptions& options);
 
-// Distance transforms, a part of what is measured of shadow_width.
+std::vector<Row> ShadowWidthSuite(const BenchOptions& options);
+// Its distance transforms alone.
 std::vector<Row> DistanceSuite(const BenchOptions& options);
 
 std::vector<Row> LayeredAttenuationSuite(const BenchOptions& options);

@@ -17,7 +17,7 @@ bool HasLayers(int light) { return light_shadows[light].layers.y > 0u; }
 float LayerVisibility(int light, vec3 point, vec3 n) {
   uvec4 layers = light_shadows[light].layers;
   for (uint i = layers.x; i < layers.x + layers.y; ++i) {
-    LdiFace face = ldi_faces[i];
+    LightFace face = light_faces[i];
     vec3 way = point - face.origin.xyz;
     vec3 q = vec3(dot(way, face.s.xyz), dot(way, face.t.xyz), dot(way, face.n.xyz));
     if (!(q.z > 0.0)) continue;
@@ -30,6 +30,8 @@ float LayerVisibility(int light, vec3 point, vec3 n) {
   return 1.0;
 }
 
+bool HasWidths(int light) { return false; }
+float WidthVisibility(int light, vec3 point, vec3 n) { return 1.0; }
 bool FindInPicture(int light, vec3 at_center, vec3 inside, out float value) { return false; }
 bool HasShares(int light) { return true; }
 )glsl";

@@ -24,13 +24,18 @@ struct NamedSuite {
   bool is_part = false;  // of another: not run unless it is named
 };
 
-constexpr NamedSuite kSuites[] = {
-    {"soft_texture", SoftTextureSuite}, {"silhouette", SilhouetteSuite, true},
-    {"methods", MethodsSuite, true},    {"growth", GrowthSuite, true},
-    {"radiance", RadianceSuite},        {"layered_attenuation", LayeredAttenuationSuite},
-    {"distance", DistanceSuite, true},  {"coherent_raytrace", CoherentRaytraceSuite},
-    {"service", ServiceSuite},          {"gl", GlSuite},
-    {"light_view", LightViewSuite}};
+constexpr NamedSuite kSuites[] = {{"soft_texture", SoftTextureSuite},
+                                  {"silhouette", SilhouetteSuite, true},
+                                  {"methods", MethodsSuite, true},
+                                  {"growth", GrowthSuite, true},
+                                  {"radiance", RadianceSuite},
+                                  {"layered_attenuation", LayeredAttenuationSuite},
+                                  {"shadow_width", ShadowWidthSuite},
+                                  {"distance", DistanceSuite, true},
+                                  {"coherent_raytrace", CoherentRaytraceSuite},
+                                  {"service", ServiceSuite},
+                                  {"gl", GlSuite},
+                                  {"light_view", LightViewSuite}};
 
 void Print(const std::vector<Row>& rows) {
   for (const Row& row : rows) {

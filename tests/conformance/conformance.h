@@ -36,6 +36,23 @@ class ConformanceTest : public ::testing::TestWithParam<std::tuple<size_t, size_
 
   TechniqueParams params(uint32_t samples = 64, uint64_t seed = 1) const;
   SpecTarget target() const { return InfoOf(params()).target; }
+  // Parameters that some techniques have none of.
+  bool has_samples() const {
+    return std::visit(
+        [](const auto& p) {
+          return requires { p.samples; };
+        },
+        params());
+  }
+  bool has_seed() const {
+    return std::visit(
+        [](const auto& p) {
+          return requires { p.seed; };
+        },
+        params());
+  }
+  // Shadows are not those of the light: what follows from that they are does not hold.
+  bool is_plausible() const { return InfoOf(params()).is_plausible; }
   // Of the light and the receiver, or what stands for the receiver: its texels' centres as points.
   ArtifactSpec Spec(const std::string& scene_id, uint32_t samples = 64, uint64_t seed = 1) const;
 

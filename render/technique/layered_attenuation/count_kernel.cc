@@ -1,6 +1,6 @@
 #include "render/technique/layered_attenuation/count_kernel.h"
 
-#include "render/artifact/attenuation_ldi.h"
+#include "render/artifact/plane_on_image.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/technique/layered_attenuation/count_kernel.cc"

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "render/artifact/attenuation_ldi.h"
+#include "render/artifact/plane_on_image.h"
 #include "render/math/basis.h"
 
 namespace penumbra {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "render/artifact/attenuation_ldi.h"
+#include "render/artifact/plane_on_image.h"
 
 namespace penumbra {
 namespace {

@@ -1,4 +1,4 @@
-// The GLSL look-up of layers against Visibility(), and of a picture's pixels.
+// The GLSL look-up of layers and of widths against Visibility(), and of a picture's pixels.
 #include "client/display/shadow_words_glsl.h"
 
 #include <gtest/gtest.h>
@@ -18,6 +18,7 @@
 #include "render/gl/program.h"
 #include "tests/gl/display/software_context.h"
 #include "tests/support/random_ldi.h"
+#include "tests/support/random_width_map.h"
 
 namespace penumbra {
 namespace {
@@ -37,7 +38,8 @@ void main() {
   vec3 inside = point + places[i].point.w * vec3(1.0, 0.0, 0.0);
   bool is_found = FindInPicture(0, point, inside, value);
   results[i] = vec4(HasLayers(0) ? LayerVisibility(0, point, n) : -1.0,
-                    LightAbovePlane(lights[0], point, n), is_found ? value : -2.0, 0.0);
+                    LightAbovePlane(lights[0], point, n), is_found ? value : -2.0,
+                    HasWidths(0) ? WidthVisibility(0, point, n) : -1.0);
 })";
 
 struct Place {
@@ -121,6 +123,49 @@ TEST_F(ShadowWordsGlslTest, LayersAreFoundAsOnTheCpu) {
   }
   EXPECT_LT(different, kPoints / 500);
   EXPECT_GT(partly, kPoints / 5);
+}
+
+// Half of them at a blocker's depth or a little behind it, the rest anywhere.
+std::vector<Place> PlacesAround(const ShadowWidthMap& map, std::mt19937& random) {
+  std::vector<Place> places;
+  std::uniform_real_distribution<double> unit(0, 1);
+  while (places.size() < kPoints) {
+    const ShadowWidthFace& face = map.faces[random() % map.faces.size()];
+    const DVec2 at(unit(random) * face.view.width, unit(random) * face.view.height);
+    const size_t texel = static_cast<size_t>(at.y) * face.view.width + static_cast<size_t>(at.x);
+    double depth = face.view.near + unit(random) * (face.view.far - face.view.near);
+    if (random() % 2 == 0 && face.near.depths[texel] != kNoDepth) {
+      depth = face.near.depths[texel] + 0.5 * unit(random);
+    }
+    places.push_back(
+        {Vec4(Vec3(face.view.PointAt(at, depth)), 0), Vec4(RandomDirection(random), 0)});
+  }
+  return places;
+}
+
+TEST_F(ShadowWordsGlslTest, WidthsAreFoundAsOnTheCpu) {
+  std::mt19937 random(12);
+  for (const bool has_far : {false, true}) {
+    for (const bool is_automatic : {false, true}) {
+      ShadowWidthMap map = RandomWidthMap(7, has_far);
+      if (!is_automatic) map.c_scale = 0.7f, map.c_bias = 0.05f;
+      ShadowWords words;
+      LightShadow shadow;
+      words.Append(map, shadow);
+      const std::vector<Place> places = PlacesAround(map, random);
+      const std::vector<Vec4> results = Run(map.light, words, shadow, places);
+      ASSERT_EQ(results.size(), places.size());
+      int different = 0, partly = 0;
+      for (size_t i = 0; i < places.size(); ++i) {
+        const float expected = Visibility(map, Vec3(places[i].point), Vec3(places[i].normal));
+        const float found = std::min(results[i].w, results[i].y);
+        different += !(std::abs(found - expected) <= 2e-3f);
+        partly += expected > 0 && expected < 1;
+      }
+      EXPECT_LT(different, kPoints / 400) << has_far << is_automatic;
+      EXPECT_GT(partly, kPoints / 10) << has_far << is_automatic;
+    }
+  }
 }
 
 TEST_F(ShadowWordsGlslTest, LightAbovePlaneIsAsOnTheCpu) {
