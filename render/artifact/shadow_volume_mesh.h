@@ -58,7 +58,7 @@ struct ShadowVolume {
 struct ShadowVolumeMesh {
   AreaLight light;  // seen as its centre
   // How far behind the samples of a map the surface is, in pixels' widths.
-  float bias_px = 1.0f;
+  float bias_px = 0.25f;
   // What lies in any of them is in shadow.
   std::vector<ShadowVolume> volumes;
   // Of the places between two samples, the part where an edge was found: much more than 0.1 tells

@@ -39,6 +39,7 @@ std::vector<Row> ServiceSuite(const BenchOptions& options);
 std::vector<Row> CoherentRaytraceSuite(const BenchOptions& options);
 std::vector<Row> GlSuite(const BenchOptions& options);
 std::vector<Row> LightViewSuite(const BenchOptions& options);
+std::vector<Row> ShadowVolumeSuite(const BenchOptions& options);
 
 std::vector<Row> ShadowWidthSuite(const BenchOptions& options);
 // Its distance transforms alone.

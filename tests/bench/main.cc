@@ -33,6 +33,7 @@ constexpr NamedSuite kSuites[] = {{"soft_texture", SoftTextureSuite},
                                   {"shadow_width", ShadowWidthSuite},
                                   {"distance", DistanceSuite, true},
                                   {"coherent_raytrace", CoherentRaytraceSuite},
+                                  {"shadow_volume", ShadowVolumeSuite},
                                   {"service", ServiceSuite},
                                   {"gl", GlSuite},
                                   {"light_view", LightViewSuite}};

@@ -100,6 +100,7 @@ void MaskComparison::Add(const MaskComparison& other) {
   astray += other.astray;
   not_as_map += other.not_as_map;
   map_not_as_rays += other.map_not_as_rays;
+  largest_unlike_map = std::max(largest_unlike_map, other.largest_unlike_map);
   largest_astray = std::max(largest_astray, other.largest_astray);
 }
 
@@ -125,10 +126,12 @@ std::vector<uint8_t> MaskOf(const ShadowVolumeMesh& mesh, const EyeImage& eye,
 MaskComparison CompareMasks(const MaskCase& c, tbb::task_arena& arena) {
   const Masks masks(c, arena);
   MaskComparison result{.pixels = masks.by_mesh.size()};
-  std::vector<uint8_t> astray(result.pixels);
+  std::vector<uint8_t> astray(result.pixels), unlike_map(result.pixels);
   for (size_t pixel = 0; pixel < result.pixels; ++pixel) {
     if (masks.view.inverse_depths[pixel] == 0) continue;
-    result.not_as_map += masks.by_mesh[pixel] != masks.by_map[pixel];
+    const bool is_unlike = masks.by_mesh[pixel] != masks.by_map[pixel];
+    result.not_as_map += is_unlike;
+    unlike_map[pixel] = is_unlike && masks.by_mesh[pixel] != masks.by_rays[pixel];
     result.map_not_as_rays += masks.by_map[pixel] != masks.by_rays[pixel];
     if (masks.by_mesh[pixel] == masks.by_rays[pixel]) continue;
     ++result.not_as_rays;
@@ -136,6 +139,7 @@ MaskComparison CompareMasks(const MaskCase& c, tbb::task_arena& arena) {
                     !masks.IsNearBoundaryOnPlane(pixel, arena);
     result.astray += astray[pixel];
   }
+  result.largest_unlike_map = LargestPart(unlike_map, c.eye.width);
   result.largest_astray = LargestPart(astray, c.eye.width);
   return result;
 }

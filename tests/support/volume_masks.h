@@ -17,10 +17,11 @@ struct MaskComparison {
   size_t not_as_rays = 0;  // where the mask and a shadow ray disagree
   size_t astray = 0;  // of those, further than two map texels from a boundary of the rays' shadow,
                       // as the picture shows it or as it is on the surface's plane
-  size_t not_as_map = 0;       // where the mask and a look into the map disagree
-  size_t not_as_nearest = 0;   // the same of the nearest sample alone
-  size_t largest_astray = 0;   // pixels of the largest connected part of those astray
-  size_t map_not_as_rays = 0;  // where the look into the map and a shadow ray disagree
+  size_t not_as_map = 0;          // where the mask and a look into the map disagree
+  size_t not_as_nearest = 0;      // the same of the nearest sample alone
+  size_t largest_unlike_map = 0;  // of the parts where both disagree with the mask
+  size_t largest_astray = 0;      // pixels of the largest connected part of those astray
+  size_t map_not_as_rays = 0;     // where the look into the map and a shadow ray disagree
 
   void Add(const MaskComparison& other);
 };

@@ -16,8 +16,10 @@ struct ShadowVolumeOptions {
   // Lines instead of samples' sides; `reconstruction` does not matter then.
   bool vectorizes = false;
   Reconstruction reconstruction = Reconstruction::kTemplate;
-  // ShadowVolumeMesh::bias_px. Less than the half of a pixel leaves speckles on slopes.
-  float bias_px = 1.0f;
+  // ShadowVolumeMesh::bias_px. With 0.1 there were twice as many speckles on slopes; with 1 a sixth
+  // fewer pixels were wrong where towers stand on the ground, but an eye as close behind a thin
+  // surface as that is not behind its boundary.
+  float bias_px = 0.25f;
 };
 
 inline constexpr uint32_t kMinVolumeResolution = 8, kMaxVolumeResolution = 8192;
