@@ -14,6 +14,9 @@ namespace {
 // Steeper surfaces are seen too much from their edge for their slope to be told.
 constexpr double kMaxWallSlope = 128.0;
 
+// How far below a near surface walls begin, as a part of what it changes by from sample to sample.
+constexpr double kNearSink = 0.5;
+
 double Cross(DVec2 a, DVec2 b) { return a.x * b.y - a.y * b.x; }
 DVec2 PlaceOf(GridCorner corner) { return DVec2(corner.x, corner.y); }
 
@@ -231,7 +234,10 @@ class Fitter {
     const double slope = SlopeTowards(from, other);
     const double tolerance =
         kWallTolerance * (grid_.PixelWidth(grid_.At(from.x, from.y)) + 0.5 * std::abs(slope));
-    return {.value = here < there ? std::min(here + 0.5 * slope, there) : here,
+    // A wall that stands out of a near surface shades it; one that begins below leaves a gap that
+    // only rays along the surface find.
+    const double near = std::max(here - kNearSink * std::abs(slope), there);
+    return {.value = here < there ? std::min(here + 0.5 * slope, there) : near,
             .tolerance = tolerance,
             .towards_left = left_sign * slope};
   }
