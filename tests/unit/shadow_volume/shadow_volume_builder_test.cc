@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "render/artifact/volume_cap.h"
 #include "render/light_view/auto_depth_source.h"
 #include "render/light_view/raster_depth_source.h"
 #include "render/light_view/ray_depth_source.h"
@@ -193,6 +194,36 @@ TEST_F(ShadowVolumeBuilderTest, WhatTheLightDoesNotSeeHasNoVolume) {
   EXPECT_TRUE(mesh.volumes.empty());
   EXPECT_EQ(mesh.triangle_count(), 0u);
   EXPECT_EQ(Visibility(mesh, Vec3(0, 3, 0), Vec3(0, 1, 0)), 1.0f);
+}
+
+// No map is too small or too strange to have a volume, and no eye to have caps.
+TEST(ReconstructVolumeTest, BadMapsHaveFiniteVolumes) {
+  const float kBad[] = {NAN, -1, 0, INFINITY, 1e-44f, 1e38f, 2, -INFINITY, 3};
+  Dice dice(54);
+  for (const bool from_infinity : {false, true}) {
+    for (const auto& [width, height] : {std::pair{0, 0}, {1, 1}, {1, 9}, {70, 3}, {33, 40}}) {
+      DepthMap map{.view = {.from_infinity = from_infinity,
+                            .window = {.min = DVec2(-1), .max = DVec2(1)},
+                            .width = static_cast<uint32_t>(width),
+                            .height = static_cast<uint32_t>(height)},
+                   .depths = {}};
+      for (int i = 0; i < width * height; ++i) map.depths.push_back(kBad[dice.Below(9)]);
+      for (const bool vectorizes : {false, true}) {
+        const ShadowVolume volume =
+            ReconstructVolume({{.map = map}}, {.vectorizes = vectorizes}).volume;
+        for (const Vec4& v : volume.vertices) {
+          EXPECT_TRUE(std::isfinite(v.x + v.y + v.z + v.w) && v.w >= 0);
+        }
+        // On the light, on a sample, and across everything.
+        for (const DVec3 eye : {DVec3(0), DVec3(0, 0, 2), DVec3(3, 0, 1)}) {
+          const EyeImage image = EyeAt(eye, DVec3(0.1, 0, 2.5));
+          const VolumeCaps caps = VolumeCapper(volume, 0.25f, PointLightAt(Vec3(0)))
+                                      .CapsFor(image.clip_from_world, image.near);
+          for (const Vec4& v : caps.corners) EXPECT_TRUE(std::isfinite(v.x + v.y + v.w));
+        }
+      }
+    }
+  }
 }
 
 TEST_F(ShadowVolumeBuilderTest, ThresholdsThatTakeAllAreStillRight) {
