@@ -35,41 +35,24 @@ vec2 WidthInLayer(uint first_depth, uint first_width, bool from_infinity, uint i
   return width > 0.0 && nearness < blocker ? vec2(width, blocker) : vec2(0.0);
 }
 
-// What one texel says of a surface: weight, width, the blocker's nearness.
-vec3 WidthTexel(LightFace face, PlaneOnImage plane, ivec2 place) {
-  if (any(lessThan(place, ivec2(0))) || any(greaterThanEqual(place, ivec2(face.image.xy)))) return vec3(0.0);
-  bool from_infinity = face.origin.w != 0.0;
-  vec2 away = vec2(place) + 0.5 - plane.at;
-  float weight = (1.0 - abs(away.x)) * (1.0 - abs(away.y));
-  uint i = uint(place.y) * face.image.x + uint(place.x);
-  float spread = plane.width + abs(plane.gradient.x) + abs(plane.gradient.y);
-  float nearness = plane.nearness + dot(plane.gradient, away) + spread;
-  vec2 far = face.rest.y != 0u ? WidthInLayer(face.rest.x, face.rest.y, from_infinity, i, nearness) : vec2(0.0);
-  return vec3(weight, far.x > 0.0 ? far : WidthInLayer(face.image.z, face.image.w, from_infinity, i, nearness));
-}
-
-vec2 GrowthDirection(vec4 widths, vec2 t) {
-  vec4 w = min(widths, vec4(1e30));
+vec2 GrowthDirection(vec2 texels[4], vec2 t) {
+  vec4 w = min(vec4(texels[0].x, texels[1].x, texels[2].x, texels[3].x), vec4(1e30));
   vec2 growth = vec2(mix(w.y - w.x, w.w - w.z, t.y), mix(w.z - w.x, w.w - w.y, t.x));
   float most = max(abs(growth.x), abs(growth.y));  // squares of what is large have no floats
   return most > 0.0 ? normalize(growth / most) : vec2(0.0);
 }
 
-float VisibilityByWidth(int light, LightFace face, PlaneOnImage plane) {
-  vec2 first = floor(plane.at - 0.5);
-  vec4 widths;
-  float weights = 0.0, shadowed = 0.0, width = 0.0, nearness = 0.0;
+// What one layer's texels leave of the light.
+float ShareBehind(int light, LightFace face, PlaneOnImage plane, vec2 texels[4], vec4 weights, vec2 t) {
+  float shadowed = 0.0, width = 0.0, nearness = 0.0;
   for (int k = 0; k < 4; ++k) {
-    vec3 texel = WidthTexel(face, plane, ivec2(first) + ivec2(k & 1, k >> 1));
-    widths[k] = texel.y;
-    weights += texel.x;
-    if (!(texel.y > 0.0) || !(texel.x > 0.0)) continue;
-    shadowed += texel.x;
-    width += texel.x * texel.y;
-    nearness += texel.x * texel.z;
+    if (!(texels[k].x > 0.0) || !(weights[k] > 0.0)) continue;
+    shadowed += weights[k];
+    width += weights[k] * texels[k].x;
+    nearness += weights[k] * texels[k].y;
   }
   if (!(shadowed > 0.0)) return 1.0;
-  width /= weights;
+  width /= dot(weights, vec4(1.0));
   bool from_infinity = face.origin.w != 0.0;
   float blocker = DepthAt(from_infinity, nearness / shadowed);
   float depth = DepthAt(from_infinity, plane.nearness);
@@ -81,10 +64,42 @@ float VisibilityByWidth(int light, LightFace face, PlaneOnImage plane) {
     c_scale = min(c_scale, asked);
   } else {
     vec2 at = face.window.xy + plane.at / face.window.zw;
-    float light_width = LightWidthAlong(face, at, GrowthDirection(widths, plane.at - 0.5 - first));
+    float light_width = LightWidthAlong(face, at, GrowthDirection(texels, t));
     if (light_width > 0.0) c_scale = min(c_scale, (from_infinity ? 1.0 : blocker) / light_width);
   }
   return Attenuation(shadow_depth, per_window * width, c_scale, uintBitsToFloat(light_shadows[light].widths.w));
+}
+
+float VisibilityByWidth(int light, LightFace face, PlaneOnImage plane) {
+  bool from_infinity = face.origin.w != 0.0;
+  bool has_far = face.rest.y != 0u;
+  vec2 first = floor(plane.at - 0.5), t = plane.at - 0.5 - first;
+  float spread = plane.width + abs(plane.gradient.x) + abs(plane.gradient.y);
+  vec4 weights = vec4(0.0);
+  vec2 near[4] = vec2[4](vec2(0.0), vec2(0.0), vec2(0.0), vec2(0.0)), far[4] = near;
+  vec3 sums = vec3(0.0);  // nearness of both layers where there are two, and how many there are
+  for (int k = 0; k < 4; ++k) {
+    ivec2 place = ivec2(first) + ivec2(k & 1, k >> 1);
+    if (any(lessThan(place, ivec2(0))) || any(greaterThanEqual(place, ivec2(face.image.xy)))) continue;
+    vec2 away = vec2(place) + 0.5 - plane.at;
+    weights[k] = (1.0 - abs(away.x)) * (1.0 - abs(away.y));
+    uint i = uint(place.y) * face.image.x + uint(place.x);
+    float nearness = plane.nearness + dot(plane.gradient, away) + spread;
+    near[k] = WidthInLayer(face.image.z, face.image.w, from_infinity, i, nearness);
+    if (!has_far) continue;
+    far[k] = WidthInLayer(face.rest.x, face.rest.y, from_infinity, i, nearness);
+    if (far[k].x > 0.0) sums += vec3(near[k].y, far[k].y, 1.0);
+  }
+  for (int k = 0; sums.z > 0.0 && k < 4; ++k) {
+    if (near[k].x == far[k].x) near[k].x = 0.0;
+    bool has_one = near[k].x > 0.0 && !(far[k].x > 0.0);
+    if (has_one && 2.0 * sums.z * near[k].y < sums.x + sums.y) {
+      far[k] = near[k];
+      near[k] = vec2(0.0);
+    }
+  }
+  float share = ShareBehind(light, face, plane, near, weights, t);
+  return has_far ? share * ShareBehind(light, face, plane, far, weights, t) : share;
 }
 
 bool TellsOf(LightFace face, vec2 at) {

@@ -38,9 +38,8 @@ struct ShadowWidthFace {
   // that, for shadows that reach across the border.
   Window window;
   ShadowWidthLayer near;
-  // What is behind the blockers of this layer is in their shadow, other surfaces are in that of the
-  // first layer: light falls on several, one behind the other, were it not for blockers. None where
-  // the map has one layer.
+  // Further blockers, each behind a surface that itself is in the shadow of the first layer's. None
+  // where the map has one layer.
   std::optional<ShadowWidthLayer> far;
 };
 
@@ -57,7 +56,9 @@ struct ShadowWidthMap {
 // At each of the four texels around the point's place on a face's image, the surface is in shadow
 // where its plane (plane_on_image.h) is deeper than the blocker, by more than its spread. sw is
 // interpolated between all four, with 0 where there is no shadow; the blocker's nearness between
-// those alone that are in shadow, since of others there is none (the paper's open problem). c_scale
+// those alone that are in shadow, since of others there is none (the paper's open problem). Behind
+// blockers of two layers the attenuations of both are multiplied, each by its own outline; a texel
+// that has one blocker goes with those of the layer that its depth is like. c_scale
 // is at most what makes a penumbra as wide as a texel is, so that hard shadows are as smooth as the
 // map can tell.
 //

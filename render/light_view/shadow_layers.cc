@@ -18,8 +18,6 @@ namespace {
 constexpr uint32_t kBlock = 4;
 constexpr size_t kPacket = size_t{kBlock} * kBlock;
 
-constexpr uint32_t kNoPart = ~0u;
-
 // The part of the depth, from infinitely far of the view's depth range, within which two surfaces
 // are one: ten times what two depth sources differ by where a surface is steep.
 constexpr double kSameSurface = 0x1p-11;
@@ -47,7 +45,8 @@ struct Met {
   std::array<float, kPacket> depths;
   std::array<uint32_t, kPacket> parts;
 
-  bool HasHit(size_t k) const { return parts[k] != kNoPart; }
+  bool HasHit(size_t k) const { return parts[k] != kNoBlocker; }
+  uint32_t PartOr(uint32_t part, size_t k) const { return HasHit(k) ? parts[k] : part; }
   float NotBefore(float depth, size_t k) const {
     return HasHit(k) ? std::max(depth, depths[k]) : depth;
   }
@@ -56,8 +55,7 @@ struct Met {
 // Where rays start from what is nearest: just before it, just behind it, and behind all there is.
 struct Starts {
   Lanes lanes;
-  Depths before{}, behind{}, end{};
-  Depths same{};  // within which two surfaces are one
+  Depths before{}, behind{}, end{}, same{};  // the last: within which two surfaces are one
 };
 
 enum class Way : int8_t { kFromLight = 1, kTowardsLight = -1 };
@@ -72,7 +70,6 @@ class ShadowLayerTracer::Rays {
     rtcInitIntersectContext(&context_);
     context_.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     const DVec3 eye = view.frame.ToWorld(view.eye);
-    packet_ = {};
     for (size_t k = 0; k < kPacket; ++k) packet_.ray.dir_z[k] = 1.0f;
     step_ = kStep * (glm::length(eye) + std::max(std::abs(view.near), std::abs(view.far)));
   }
@@ -144,7 +141,7 @@ class ShadowLayerTracer::Rays {
   template <typename Accept>
   Met Find(Lanes lanes, Depths from, Way way, const Accept& accept) {
     Met met;
-    met.depths.fill(kNoDepth), met.parts.fill(kNoPart);
+    met.depths.fill(kNoDepth), met.parts.fill(kNoBlocker);
     for (int step = 0; step < kMostSteps; ++step) {
       if (lanes.none()) break;
       for (size_t k = 0; k < kPacket; ++k) {
@@ -179,7 +176,7 @@ class ShadowLayerTracer::Rays {
   RTCIntersectContext context_;
   double step_;
   uint32_t x_ = 0, y_ = 0;
-  alignas(64) RTCRayHit16 packet_;
+  alignas(64) RTCRayHit16 packet_{};
 };
 
 // Which parts cast a shadow on others, or are in that of others; any number of threads at a time.
@@ -189,19 +186,20 @@ class ShadowLayerTracer::Blockers {
       : parts_(parts),
         shadows_(parts.size()),
         is_shadowed_(parts.size()),
-        alone_(pixels, kNoPart) {}
+        alone_(pixels, kNoBlocker) {}
 
   void Note(uint32_t blocker, uint32_t receiver) {
-    if (blocker == receiver || blocker == kNoPart || receiver == kNoPart) return;
+    if (blocker == receiver || blocker == kNoBlocker || receiver == kNoBlocker) return;
     shadows_[blocker].store(true, std::memory_order_relaxed);
     is_shadowed_[receiver].store(true, std::memory_order_relaxed);
   }
   // Of a pixel where nothing is behind the part.
   void NoteAlone(size_t pixel, uint32_t part) { alone_[pixel] = part; }
 
+  uint32_t PartAt(size_t pixel) const { return alone_[pixel]; }
   bool IsBlocker(size_t pixel) const {
     const uint32_t part = alone_[pixel];
-    if (part == kNoPart) return false;
+    if (part == kNoBlocker) return false;
     return !parts_[part].receives || (shadows_[part].load(std::memory_order_relaxed) &&
                                       !is_shadowed_[part].load(std::memory_order_relaxed));
   }
@@ -242,7 +240,6 @@ void ShadowLayerTracer::TraceBlock(const DepthMap& nearest, Rays& rays, Blockers
     blockers.NoteAlone(rays.PixelOf(k), caster.parts[k]);
     shadowed[k] = 0;
   }
-  if (shadowed.none()) return;
   Met last = rays.FindReceiver(shadowed, starts.end, Way::kTowardsLight);
   Depths before_first{}, before_last{};
   for (size_t k = 0; k < kPacket; ++k) {
@@ -263,25 +260,28 @@ void ShadowLayerTracer::TraceBlock(const DepthMap& nearest, Rays& rays, Blockers
     layers.last_receiver[pixel] = last.depths[k];
     layers.before_first[pixel] = near_blocker.NotBefore(nearest.depths[pixel], k);
     layers.before_last[pixel] = far_blocker.NotBefore(nearest.depths[pixel], k);
+    layers.first_blocker[pixel] = near_blocker.PartOr(caster.parts[k], k);
+    layers.last_blocker[pixel] = far_blocker.PartOr(caster.parts[k], k);
   }
 }
 
 absl::StatusOr<ShadowLayers> ShadowLayerTracer::Trace(const DepthMap& nearest,
                                                       const std::stop_token& stop) const {
   if (!bvh_->status().ok()) return bvh_->status();
-  const LightView& view = nearest.view;
   const size_t pixels = nearest.depths.size();
   ShadowLayers layers{.blocked = std::vector<uint8_t>(pixels),
                       .first_receiver = std::vector<float>(pixels, kNoDepth),
                       .last_receiver = std::vector<float>(pixels, kNoDepth),
                       .before_first = std::vector<float>(pixels, kNoDepth),
-                      .before_last = std::vector<float>(pixels, kNoDepth)};
+                      .before_last = std::vector<float>(pixels, kNoDepth),
+                      .first_blocker = std::vector<uint32_t>(pixels, kNoBlocker),
+                      .last_blocker = std::vector<uint32_t>(pixels, kNoBlocker)};
   Blockers blockers(parts_, pixels);
   RunIn(arena_, [&] {
-    ParallelFor(BlocksOf(view.height), [&](uint32_t block_y) {
-      Rays rays(view, bvh_->embree(), parts_);
+    ParallelFor(BlocksOf(nearest.view.height), [&](uint32_t block_y) {
+      Rays rays(nearest.view, bvh_->embree(), parts_);
       if (stop.stop_requested()) return;
-      for (uint32_t block_x = 0; block_x < BlocksOf(view.width); ++block_x) {
+      for (uint32_t block_x = 0; block_x < BlocksOf(nearest.view.width); ++block_x) {
         rays.MoveTo(block_x, block_y);
         TraceBlock(nearest, rays, blockers, layers);
       }
@@ -292,6 +292,7 @@ absl::StatusOr<ShadowLayers> ShadowLayerTracer::Trace(const DepthMap& nearest,
     if (!blockers.IsBlocker(i)) continue;
     layers.blocked[i] = 1;
     layers.before_first[i] = layers.before_last[i] = nearest.depths[i];
+    layers.first_blocker[i] = layers.last_blocker[i] = blockers.PartAt(i);
   }
   return layers;
 }

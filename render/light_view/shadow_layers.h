@@ -18,6 +18,8 @@
 
 namespace penumbra {
 
+inline constexpr uint32_t kNoBlocker = ~0u;
+
 // H×W each; depths in m as the view measures them, kNoDepth where there is none.
 struct ShadowLayers {
   // 1 where what is nearest is a blocker.
@@ -26,6 +28,8 @@ struct ShadowLayers {
   std::vector<float> first_receiver, last_receiver;
   // The last surface of a blocker before each of them.
   std::vector<float> before_first, before_last;
+  // Numbers of the instances that these are of; kNoBlocker where nothing is blocked.
+  std::vector<uint32_t> first_blocker, last_blocker;
 };
 
 // Not every surface that a light sees first casts a shadow: a floor is such a surface too. What is

@@ -1,76 +1,16 @@
 #include "render/technique/shadow_width/width_face.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <utility>
-
-#include "render/artifact/plane_on_image.h"
 
 namespace penumbra {
 namespace {
 
-// Nearness that pixels' widths make of rounding to them, where no neighbour tells how steep a
-// receiver is.
-constexpr double kUntoldSteepness = 4.0;
-
 // The part of a depth within which two receivers are one.
 constexpr double kSameReceiver = 0x1p-10;
-
-class FirstReceivers {
- public:
-  FirstReceivers(const DepthMap& nearest, const ShadowLayers& layers)
-      : view_(nearest.view), nearest_(nearest), layers_(layers) {}
-
-  // Whether a receiver that casts is between the blocker and the last one.
-  bool IsAbove(size_t i) const {
-    if (layers_.first_receiver[i] == kNoDepth) return false;
-    const double first = layers_.first_receiver[i], last = layers_.last_receiver[i];
-    const double same = kSameReceiver * (view_.from_infinity ? view_.far - view_.near : last);
-    return last - first > same && layers_.before_last[i] > first - same;
-  }
-
-  // Whether the receiver at texel i goes on at `there`, its neighbour, and is seen; `back` is the
-  // one on the other side.
-  bool IsSeenAt(size_t there, size_t i, std::optional<size_t> back) const {
-    if (nearest_.depths[there] == kNoDepth) return true;
-    const double here = Nearness(layers_.first_receiver[i]),
-                 seen = Nearness(nearest_.depths[there]);
-    const double pixel = 1 / view_.pixels_per_slope().x;
-    double rise = 0, limit = kUntoldSteepness * pixel * (view_.from_infinity ? 1 : here);
-    if (back && IsAbove(*back)) {
-      const double rises = here - Nearness(layers_.first_receiver[*back]);
-      if (std::abs(rises) < 4 * limit) rise = rises, limit = std::abs(rises) + 0.25 * limit;
-    }
-    return seen <= here + rise + limit;
-  }
-
- private:
-  double Nearness(float depth) const { return NearnessOf(view_.from_infinity, double{depth}); }
-
-  const LightView& view_;
-  const DepthMap& nearest_;
-  const ShadowLayers& layers_;
-};
-
-// Left, right, above, below.
-constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
-
-std::optional<size_t> TexelAt(const LightView& view, int64_t x, int64_t y) {
-  if (x < 0 || y < 0 || x >= view.width || y >= view.height) return std::nullopt;
-  return static_cast<size_t>(y) * view.width + static_cast<size_t>(x);
-}
-
-// Distances in the window's units.
-absl::StatusOr<std::vector<float>> WidthsOf(std::span<const uint8_t> blocked, const LightView& view,
-                                            const FindDistances& find_distances) {
-  auto widths = find_distances({.blocked = blocked, .width = view.width, .height = view.height});
-  if (!widths.ok()) return widths;
-  const auto pixel = static_cast<float>(1 / view.pixels_per_slope().x);
-  for (float& width : *widths) width *= pixel;
-  return widths;
-}
 
 // Texels' widths by which the far side of a blocker is taken for nearer than it is, at most to its
 // middle: what stands on a receiver touches it there, and a look-up leaves a surface out of the
@@ -84,60 +24,125 @@ float BeforeTouching(float depth, float near_side, const LightView& view) {
   return static_cast<float>(depth - std::min(kTouching * pixel, 0.5 * thickness));
 }
 
-// Adds the second layer, if any receiver lies above another one, and gives the first the widths of
-// such receivers.
-absl::StatusOr<ShadowWidthFace> WithFarLayer(ShadowWidthFace face, const DepthMap& nearest,
-                                             const ShadowLayers& layers,
-                                             const FindDistances& find_distances) {
-  const size_t texels = nearest.depths.size();
-  const FirstReceivers receivers(nearest, layers);
-  ShadowWidthLayer far{.depths = std::vector<float>(texels, kNoDepth),
-                       .widths = std::vector<float>(texels)};
-  bool any = false;
-  for (size_t i = 0; i < texels; ++i) {
-    if (!receivers.IsAbove(i)) continue;
-    far.depths[i] = BeforeTouching(layers.before_last[i], layers.first_receiver[i], nearest.view);
-    far.widths[i] = face.near.widths[i];
-    any = true;
-  }
-  if (!any) return face;
-  const auto blocked = BlockedForFirstReceivers(nearest, layers);
-  const auto widths = WidthsOf(blocked, nearest.view, find_distances);
-  if (!widths.ok()) return widths.status();
-  for (size_t i = 0; i < texels; ++i) {
-    if (far.depths[i] != kNoDepth) face.near.widths[i] = (*widths)[i];
-  }
-  face.far = std::move(far);
-  return face;
+// Whether a receiver that casts is between the blocker of texel i and the last one.
+bool HasTwo(const ShadowLayers& layers, const LightView& view, size_t i) {
+  if (layers.first_receiver[i] == kNoDepth) return false;
+  const double first = layers.first_receiver[i], last = layers.last_receiver[i];
+  const double same = kSameReceiver * (view.from_infinity ? view.far - view.near : last);
+  return last - first > same && layers.before_last[i] > first - same;
 }
 
-}  // namespace
+// The texels that two instances block, one above the other.
+struct Pair {
+  uint32_t first, last;
 
-std::vector<uint8_t> BlockedForFirstReceivers(const DepthMap& nearest, const ShadowLayers& layers) {
-  const LightView& view = nearest.view;
-  const FirstReceivers receivers(nearest, layers);
-  std::vector<uint8_t> blocked = layers.blocked;
-  for (int64_t y = 0; y < view.height; ++y) {
-    for (int64_t x = 0; x < view.width; ++x) {
-      const size_t i = *TexelAt(view, x, y);
-      if (layers.blocked[i] == 0 || !receivers.IsAbove(i)) continue;
-      for (const auto& [dx, dy] : kNeighbours) {
-        const auto there = TexelAt(view, x + dx, y + dy);
-        if (!there || layers.blocked[*there] == 0) continue;
-        if (receivers.IsSeenAt(*there, i, TexelAt(view, x - dx, y - dy))) blocked[*there] = 0;
+  friend auto operator<=>(const Pair&, const Pair&) = default;
+};
+struct Box {
+  uint32_t min_x = ~0u, min_y = ~0u, max_x = 0, max_y = 0;
+
+  void Add(uint32_t x, uint32_t y) {
+    min_x = std::min(min_x, x), max_x = std::max(max_x, x);
+    min_y = std::min(min_y, y), max_y = std::max(max_y, y);
+  }
+  // With a texel around, as far as the view goes.
+  Box Grown(const LightView& view) const {
+    return {min_x - (min_x > 0), min_y - (min_y > 0), std::min(max_x + 1, view.width - 1),
+            std::min(max_y + 1, view.height - 1)};
+  }
+  uint32_t width() const { return max_x - min_x + 1; }
+  uint32_t height() const { return max_y - min_y + 1; }
+};
+
+// Both layers of a face in the making.
+class TwoLayers {
+ public:
+  TwoLayers(ShadowWidthFace& face, const ShadowLayers& layers, const FindDistances& find_distances)
+      : face_(face), view_(face.view), layers_(layers), find_distances_(find_distances) {}
+
+  // Gives the face its second layer, if any texel has one.
+  absl::Status Add() {
+    const size_t texels = layers_.blocked.size();
+    ShadowWidthLayer far{.depths = std::vector<float>(texels, kNoDepth),
+                         .widths = std::vector<float>(texels)};
+    std::map<Pair, Box> pairs;
+    has_two_.resize(texels);
+    for (uint32_t y = 0; y < view_.height; ++y) {
+      for (uint32_t x = 0; x < view_.width; ++x) {
+        const size_t i = At(x, y);
+        if (!HasTwo(layers_, view_, i)) continue;
+        has_two_[i] = 1;
+        far.depths[i] = BeforeTouching(layers_.before_last[i], layers_.first_receiver[i], view_);
+        far.widths[i] = face_.near.widths[i];
+        pairs[{layers_.first_blocker[i], layers_.last_blocker[i]}].Add(x, y);
       }
     }
+    if (pairs.empty()) return absl::OkStatus();
+    face_.far = std::move(far);
+    for (const auto& [pair, box] : pairs) {
+      if (pair.first == pair.last) continue;
+      absl::Status status = Part(pair, box.Grown(view_), pair.last, face_.near.widths);
+      if (status.ok()) status = Part(pair, box.Grown(view_), pair.first, face_.far->widths);
+      if (!status.ok()) return status;
+    }
+    return absl::OkStatus();
   }
-  return blocked;
-}
+
+ private:
+  size_t At(uint32_t x, uint32_t y) const { return size_t{y} * view_.width + x; }
+  bool IsOf(size_t i, const Pair& pair) const {
+    return has_two_[i] != 0 && Pair{layers_.first_blocker[i], layers_.last_blocker[i]} == pair;
+  }
+
+  // Where the pair is, widths end at texels that `other` alone blocks.
+  absl::Status Part(const Pair& pair, const Box& box, uint32_t other, std::vector<float>& widths) {
+    std::vector<uint8_t> blocked(size_t{box.width()} * box.height(), 1);
+    bool any = false;
+    for (uint32_t y = box.min_y; y <= box.max_y; ++y) {
+      for (uint32_t x = box.min_x; x <= box.max_x; ++x) {
+        const size_t i = At(x, y);
+        if (has_two_[i] != 0 || layers_.first_blocker[i] != other) continue;
+        blocked[InBox(box, x, y)] = 0;
+        any = true;
+      }
+    }
+    if (!any) return absl::OkStatus();
+    const auto distances =
+        find_distances_({.blocked = blocked, .width = box.width(), .height = box.height()});
+    if (!distances.ok()) return distances.status();
+    const auto pixel = static_cast<float>(1 / view_.pixels_per_slope().x);
+    for (uint32_t y = box.min_y; y <= box.max_y; ++y) {
+      for (uint32_t x = box.min_x; x <= box.max_x; ++x) {
+        if (!IsOf(At(x, y), pair)) continue;
+        float& width = widths[At(x, y)];
+        width = std::min(width, pixel * (*distances)[InBox(box, x, y)]);
+      }
+    }
+    return absl::OkStatus();
+  }
+  static size_t InBox(const Box& box, uint32_t x, uint32_t y) {
+    return size_t{y - box.min_y} * box.width() + (x - box.min_x);
+  }
+
+  ShadowWidthFace& face_;
+  const LightView& view_;
+  const ShadowLayers& layers_;
+  const FindDistances& find_distances_;
+  std::vector<uint8_t> has_two_;
+};
+
+}  // namespace
 
 absl::StatusOr<ShadowWidthFace> MakeWidthFace(const DepthMap& nearest, const ShadowLayers& layers,
                                               const ShadowWidthParams& params,
                                               const FindDistances& find_distances) {
   const LightView& view = nearest.view;
   const size_t texels = nearest.depths.size();
-  auto widths = WidthsOf(layers.blocked, view, find_distances);
+  auto widths =
+      find_distances({.blocked = layers.blocked, .width = view.width, .height = view.height});
   if (!widths.ok()) return widths.status();
+  const auto pixel = static_cast<float>(1 / view.pixels_per_slope().x);
+  for (float& width : *widths) width *= pixel;
   ShadowWidthFace face{.view = view, .window = view.window};
   face.near = {.depths = std::vector<float>(texels, kNoDepth), .widths = *std::move(widths)};
   const auto& far_sides = params.layers > 1 ? layers.before_first : layers.before_last;
@@ -148,8 +153,11 @@ absl::StatusOr<ShadowWidthFace> MakeWidthFace(const DepthMap& nearest, const Sha
                               ? near_side
                               : BeforeTouching(far_sides[i], near_side, view);
   }
-  if (params.layers < 2) return face;
-  return WithFarLayer(std::move(face), nearest, layers, find_distances);
+  if (params.layers > 1) {
+    const auto status = TwoLayers(face, layers, find_distances).Add();
+    if (!status.ok()) return status;
+  }
+  return face;
 }
 
 }  // namespace penumbra

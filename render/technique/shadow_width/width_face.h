@@ -3,7 +3,6 @@
 //   auto face = MakeWidthFace(nearest, layers, {.layers = 2}, find_distances);
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -19,15 +18,13 @@ namespace penumbra {
 // Distances in texels, of each to the nearest that is lit: 0 where lit, ∞ if none is.
 using FindDistances = std::function<absl::StatusOr<std::vector<float>>(const BlockedMask&)>;
 
-// The texels that are not lit for receivers that lie above others: those of `layers`, less those
-// where such a receiver is seen next to what blocks its light. At a texel whose first and last
-// receiver differ, the first one's nearness goes on beyond the outline as it changes from the
-// neighbour on the other side; where a neighbour shows a surface there, or one further away, that
-// neighbour is lit.
-std::vector<uint8_t> BlockedForFirstReceivers(const DepthMap& nearest, const ShadowLayers& layers);
-
-// The face that tells of all of its view. Its second layer is left out where no receiver lies
-// above another.
+// The face that tells of all of its view.
+//
+// A texel has two layers where a receiver that casts lies between its blocker and the last
+// receiver. The widths of either one's blocker are then measured to what is lit, or is blocked by
+// the other one's instance alone: a cup's on a table to where the table is seen. Outlines that stay
+// joined, as those of one instance, are the same in both layers. Texels with one blocker have its
+// distance to what is lit.
 //
 // Errors  those of `find_distances`
 absl::StatusOr<ShadowWidthFace> MakeWidthFace(const DepthMap& nearest, const ShadowLayers& layers,

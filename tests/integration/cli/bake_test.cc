@@ -225,6 +225,25 @@ TEST_F(BakeTest, SeveralLightsNameTheirFiles) {
   }
 }
 
+// The picture is brightest where the shadow is deepest, the numbers are the map's.
+TEST_F(BakeTest, AWidthMapAsChannels) {
+  const Finished bake =
+      Run({"bake", scene_, "--floor", "--out", folder_ / "out", "--technique", "shadow_width",
+           "--set", "resolution=64", "--spot-light", "0 6 0 0 -1 0 50 10 40", "--json"});
+  ASSERT_EQ(bake.exit_status, 0) << bake.err;
+  const Json said = Json::parse(bake.out, nullptr, false);
+  ASSERT_EQ(said["baked"].size(), 1u) << bake.out;
+  EXPECT_GE(said["baked"][0]["texels"], 32 * 32);
+  std::ifstream file(folder_ / "out" / "spot-light.json");
+  const Json json = Json::parse(file, nullptr, false);
+  ASSERT_EQ(json["faces"].size(), 1u);
+  EXPECT_EQ(json["parameters"]["resolution"], 64);
+  EXPECT_EQ(json["technique"], "shadow_width");
+  EXPECT_EQ(json["faces"][0]["window"].size(), 4u);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "spot-light.exr"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "spot-light.png"));
+}
+
 // One shines up from above the scene, the other all around.
 TEST_F(BakeTest, ALightThatSeesNothingDoesNotKeepOthersFromBeingBaked) {
   const Finished bake =

@@ -86,6 +86,10 @@ TEST_F(ErrorsTest, OptionsOfAnotherTechnique) {
               "--size: found the technique layered_attenuation, which has no use for it", 2);
   ExpectError(Bake({"--technique", layers, "--method", "gl"}), "--method: found the technique", 2);
   ExpectError(Bake({"--lightmap", "box"}), "need coherent_raytrace", 2);
+  for (const char* option : {"--samples", "--seed"}) {
+    ExpectError(Bake({"--technique", "shadow_width", option, "4"}),
+                std::string(option) + ": found the technique shadow_width", 2);
+  }
   const std::vector<std::string> view = {"view", none, "--out", folder_ / "v.png", "--technique"};
   const auto View = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words = view;

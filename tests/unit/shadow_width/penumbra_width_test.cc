@@ -12,13 +12,13 @@ namespace {
 Artifact Compute(const StraightEdge& edge) {
   tbb::task_arena arena(2);
   return ShadowWidth()
-      .Compute(*edge.MakeScene(), {ShadowWidthParams{.resolution = 1024}, edge.light.id},
+      .Compute(*edge.MakeScene(), {ShadowWidthParams{.resolution = 768}, edge.light.id},
                {.arena = arena})
       .value();
 }
 
 void ExpectWidthsOf(const LightShape& shape) {
-  for (const double height : {0.5, 1.0, 1.5, 2.0, 2.5}) {
+  for (const double height : {0.5, 1.25, 2.5}) {
     for (const double angle : {0.0, 0.25 * std::numbers::pi, 0.5 * std::numbers::pi}) {
       const StraightEdge edge{
           .light = {.id = "light", .shape = shape}, .height = height, .angle = angle};
