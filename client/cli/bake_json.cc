@@ -83,6 +83,8 @@ Json ToJson(const ShadowWidthFace& face) {
   json["axis_s"] = ToJson(Vec3(face.view.frame.axes.s));
   json["axis_t"] = ToJson(Vec3(face.view.frame.axes.t));
   json["window"] = {window.min.x, window.min.y, window.max.x, window.max.y};
+  const Window& told = face.window;
+  json["tells_of"] = {told.min.x, told.min.y, told.max.x, told.max.y};
   json["layers"] = face.far ? 2 : 1;
   return json;
 }

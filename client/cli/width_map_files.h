@@ -10,8 +10,8 @@
 
 namespace penumbra {
 
-// How far each texel is from the light, in texels, grey: 0 where it is lit, or nothing ever is;
-// faces one below the other.
+// How far each texel is from one that is lit, in texels, grey: 0 where it is lit itself, or none
+// is; faces one below the other.
 RadianceTexture PictureOf(const ShadowWidthMap& map);
 
 // All planes as channels of an EXR file, faces one below the other: depth and width, and with a

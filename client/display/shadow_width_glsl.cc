@@ -91,7 +91,6 @@ float VisibilityByWidth(int light, LightFace face, PlaneOnImage plane) {
     if (far[k].x > 0.0) sums += vec3(near[k].y, far[k].y, 1.0);
   }
   for (int k = 0; sums.z > 0.0 && k < 4; ++k) {
-    if (near[k].x == far[k].x) near[k].x = 0.0;
     bool has_one = near[k].x > 0.0 && !(far[k].x > 0.0);
     if (has_one && 2.0 * sums.z * near[k].y < sums.x + sums.y) {
       far[k] = near[k];
@@ -99,7 +98,7 @@ float VisibilityByWidth(int light, LightFace face, PlaneOnImage plane) {
     }
   }
   float share = ShareBehind(light, face, plane, near, weights, t);
-  return has_far ? share * ShareBehind(light, face, plane, far, weights, t) : share;
+  return has_far ? min(share, ShareBehind(light, face, plane, far, weights, t)) : share;
 }
 
 bool TellsOf(LightFace face, vec2 at) {

@@ -11,6 +11,18 @@
 namespace penumbra {
 namespace {
 
+// The total is bounded too: planes are allocated once the header is there.
+absl::Status CheckTexels(const ShadowWidthMap& map, const SceneLimits& limits) {
+  uint64_t texels = 0;
+  for (const ShadowWidthFace& face : map.faces) {
+    texels += uint64_t{face.view.width} * face.view.height;
+  }
+  if (texels <= limits.max_receiver_texels) return absl::OkStatus();
+  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "shadow_width_map.faces",
+                    "found " + std::to_string(texels) + " texels, need at most " +
+                        std::to_string(limits.max_receiver_texels));
+}
+
 absl::Status CheckConstant(const char* field, float found) {
   if (std::isfinite(found) && found >= 0) return absl::OkStatus();
   return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field,
@@ -23,6 +35,10 @@ absl::StatusOr<ShadowWidthFace> Read(const v1::ShadowWidthFace& proto, const std
       .view = FromProto(proto.view()),
       .window = {.min = {proto.min_x(), proto.min_y()}, .max = {proto.max_x(), proto.max_y()}}};
   if (auto status = CheckView(face.view, field + ".view", limits); !status.ok()) return status;
+  if (face.view.eye != DVec3(0.0)) {
+    return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field + ".view",
+                      "found an eye off the frame's origin, need one there");
+  }
   // Not a number is not less.
   if (face.window.empty()) {
     return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field,
@@ -68,6 +84,7 @@ absl::StatusOr<ShadowWidthMap> FromProto(const v1::ShadowWidthMap& proto,
     if (!face.ok()) return face.status();
     map.faces.push_back(*std::move(face));
   }
+  if (status = CheckTexels(map, limits); !status.ok()) return status;
   return map;
 }
 

@@ -61,12 +61,8 @@ Texels TexelsAround(const ShadowWidthFace& face, const PlaneOnImage& plane) {
   return texels;
 }
 
-// Of blockers whose outlines are joined the further one counts. A texel that has one blocker goes
-// with the far ones where it is nearer to these.
+// A texel that has one blocker goes with the far ones where it is nearer to these.
 void Group(Texels& texels) {
-  for (int k = 0; k < 4; ++k) {
-    if (texels.far[k].width == texels.near[k].width) texels.near[k].width = 0;
-  }
   double near = 0, far = 0, count = 0;
   for (int k = 0; k < 4; ++k) {
     if (!(texels.far[k].width > 0)) continue;
@@ -140,8 +136,8 @@ double Share(const ShadowWidthFace& face, const ShadowWidthMap& map, const Plane
     return ShareBehind(ShadeOf(texels.near, texels.weights, texels.t), face, map, plane);
   }
   Group(texels);
-  return ShareBehind(ShadeOf(texels.near, texels.weights, texels.t), face, map, plane) *
-         ShareBehind(ShadeOf(texels.far, texels.weights, texels.t), face, map, plane);
+  return std::min(ShareBehind(ShadeOf(texels.near, texels.weights, texels.t), face, map, plane),
+                  ShareBehind(ShadeOf(texels.far, texels.weights, texels.t), face, map, plane));
 }
 
 }  // namespace

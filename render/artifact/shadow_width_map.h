@@ -28,8 +28,9 @@ double Attenuation(double shadow_depth, double shadow_width, double c_scale, dou
 struct ShadowWidthLayer {
   std::vector<float> depths;  // of what blocks the light, in m as the view measures; kNoDepth where
                               // nothing does
-  std::vector<float> widths;  // to the nearest texel that is lit, on the image: slopes, from
-                              // infinitely far metres; 0 where lit, ∞ where none is
+  std::vector<float> widths;  // to the nearest texel that is lit, or outside of the blocker's own
+                              // outline, on the image: slopes, from infinitely far metres; 0 where
+                              // lit, ∞ where no texel is
 };
 
 struct ShadowWidthFace {
@@ -57,10 +58,9 @@ struct ShadowWidthMap {
 // where its plane (plane_on_image.h) is deeper than the blocker, by more than its spread. sw is
 // interpolated between all four, with 0 where there is no shadow; the blocker's nearness between
 // those alone that are in shadow, since of others there is none (the paper's open problem). Behind
-// blockers of two layers the attenuations of both are multiplied, each by its own outline; a texel
-// that has one blocker goes with those of the layer that its depth is like. c_scale
-// is at most what makes a penumbra as wide as a texel is, so that hard shadows are as smooth as the
-// map can tell.
+// blockers of two layers it is the darker shadow that counts; a texel that has one blocker goes
+// with those of the layer that its depth is like. c_scale is at most what makes a penumbra as wide
+// as a texel is, so that hard shadows are as smooth as the map can tell.
 //
 // Of a light that has a size, and where the map says nothing else, c_scale is z / W, where z is the
 // blocker's depth, from infinitely far 1, and W how wide the light is (light_width.h) in the

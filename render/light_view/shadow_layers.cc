@@ -6,8 +6,8 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstddef>
 #include <limits>
+#include <span>
 
 #include "render/math/parallel_for.h"
 
@@ -91,7 +91,7 @@ class ShadowLayerTracer::Rays {
     return starts;
   }
 
-  // What rays that start at `from` meet first of what casts.
+  // The first of what casts from there on.
   Met FindCaster(const Lanes& lanes, const Depths& from, Way way) {
     return Find(lanes, from, way, [](const Part& part, auto&&) { return part.casts; });
   }
@@ -212,10 +212,10 @@ class ShadowLayerTracer::Blockers {
 
 ShadowLayerTracer::ShadowLayerTracer(const Scene& scene, const Scene& all_surfaces,
                                      const CasterBvhs& bvhs, tbb::task_arena& arena)
-    : bvh_(bvhs.Of(all_surfaces)), arena_(arena) {
+    : bvh_(bvhs.Of(all_surfaces, CasterBvhs::Instances::kAll)), arena_(arena) {
   // As the hierarchy has them.
   for (const auto& [id, instance] : all_surfaces.instances()) {
-    if (!instance->casts || instance->mesh->triangle_count() == 0) continue;
+    if (instance->mesh->triangle_count() == 0) continue;
     const auto here = scene.FindInstance(id);
     Part part{.instance = instance.get(),
               .casts = here != nullptr && here->casts,

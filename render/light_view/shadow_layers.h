@@ -26,7 +26,8 @@ struct ShadowLayers {
   std::vector<uint8_t> blocked;
   // Behind the blocker, the first and the last surface that receives.
   std::vector<float> first_receiver, last_receiver;
-  // The last surface of a blocker before each of them.
+  // The last surface of what casts before each of them, but for what all but touches it; what is
+  // nearest, where there is no other.
   std::vector<float> before_first, before_last;
   // Numbers of the instances that these are of; kNoBlocker where nothing is blocked.
   std::vector<uint32_t> first_blocker, last_blocker;
@@ -38,7 +39,7 @@ struct ShadowLayers {
 // nothing lies behind, as beside a table's edge, it is a blocker
 //
 //   where it is of an instance that does not receive;
-//   where it is of one that shadows another instance somewhere, and that no other one shadows.
+//   where it is of one that shadows another instance in the view, and that no other one shadows.
 //
 // So floors that cast are none, and what stands on them is.
 class ShadowLayerTracer {

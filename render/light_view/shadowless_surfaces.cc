@@ -23,6 +23,21 @@ std::string FreeId(const Scene& scene, size_t& next) {
   }
 }
 
+// Of receivers that stand by themselves.
+std::vector<Instance> Patches(const Scene& scene) {
+  std::vector<Instance> patches;
+  size_t next_id = 0;
+  for (const auto& [id, receiver] : scene.receivers()) {
+    if (InstanceOf(*receiver) != nullptr) continue;
+    const auto patch = scene.ResolveReceiver(id);
+    if (!patch.ok()) continue;
+    if (auto mesh = MeshOf(patch->patch)) {
+      patches.push_back({.id = FreeId(scene, next_id), .mesh = std::move(mesh)});
+    }
+  }
+  return patches;
+}
+
 }  // namespace
 
 std::vector<Instance> InstancesWithoutShadows(const Scene& scene) {
@@ -32,15 +47,7 @@ std::vector<Instance> InstancesWithoutShadows(const Scene& scene) {
     surfaces.push_back(*instance);
     surfaces.back().casts = true;
   }
-  size_t next_id = 0;
-  for (const auto& [id, receiver] : scene.receivers()) {
-    if (InstanceOf(*receiver) != nullptr) continue;
-    const auto patch = scene.ResolveReceiver(id);
-    if (!patch.ok()) continue;
-    if (auto mesh = MeshOf(patch->patch)) {
-      surfaces.push_back({.id = FreeId(scene, next_id), .mesh = std::move(mesh)});
-    }
-  }
+  for (Instance& patch : Patches(scene)) surfaces.push_back(std::move(patch));
   return surfaces;
 }
 
@@ -55,7 +62,7 @@ std::vector<std::shared_ptr<const Scene>> SurfacesWithoutShadows(const Scene& sc
 
 absl::StatusOr<std::shared_ptr<const Scene>> WithAllSurfaces(const Scene& scene) {
   SceneDelta delta;
-  delta.upsert_instances = InstancesWithoutShadows(scene);
+  delta.upsert_instances = Patches(scene);
   return scene.Apply(delta);
 }
 

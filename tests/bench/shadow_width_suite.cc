@@ -56,13 +56,12 @@ std::vector<Row> PenumbraRows(tbb::task_arena& arena) {
         const Artifact map = MapOf(*edge.MakeScene(), "light", 2048, arena);
         const auto ours = testing::PenumbraWidth(edge, map);
         const double lights = testing::TruePenumbraWidth(edge);
-        if (!ours) continue;
-        const double ratio = *ours / lights;
+        const double ratio = ours.value_or(0) / lights;  // 0: no penumbra was found
         if (std::abs(std::log(ratio)) > std::abs(std::log(worst))) worst = ratio;
         if (angle != 0) continue;
         const std::string name =
             absl::StrFormat("penumbra.%s.at_%03d_cm.", light.name, std::lround(100 * height));
-        rows.push_back({name + "width", *ours, "m"});
+        rows.push_back({name + "width", ours.value_or(0), "m"});
         rows.push_back({name + "width_of_light", lights, "m"});
       }
     }

@@ -15,7 +15,8 @@ inline ShadowWidthLayer RandomWidthLayer(size_t texels, bool from_infinity, std:
     const float part = 1e-3f * static_cast<float>(random() % 1000);
     const float depth = from_infinity ? -3 + 3 * part : 0.5f + 3 * part;
     layer.depths.push_back(is_lit ? kNoDepth : depth);
-    layer.widths.push_back(is_lit ? 0.0f : 0.01f + 0.2f * part);
+    const bool is_endless = random() % 32 == 0;  // as where no texel is lit
+    layer.widths.push_back(is_lit ? 0.0f : is_endless ? kNoDepth : 0.01f + 0.2f * part);
   }
   return layer;
 }

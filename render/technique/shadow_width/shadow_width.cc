@@ -29,7 +29,7 @@ namespace {
 
 // The part of a window by which a face that others are beside sees more to each side: shadows of
 // what is there reach across the border, and their widths with them.
-constexpr double kMargin = 0.25;
+constexpr double kMargin = 0.125;
 
 // The first map of a large one has a quarter of its sides, which takes a sixteenth of its time.
 constexpr uint32_t kCoarseFrom = 1024, kCoarseness = 4;
@@ -93,47 +93,62 @@ class Maker {
         light_(*scene.FindLight(spec.light_id)),
         source_(source),
         tracer_(scene, all_surfaces, bvhs, context.arena),
-        context_(context),
-        faces_(FacesOf(light_, all_surfaces.Bounds())) {
+        context_(context) {
     for (const auto& [id, instance] : all_surfaces.instances()) {
       const Aabb box = WorldBounds(*instance);
-      if (!box.empty()) boxes_.push_back(box);
+      if ((instance->casts || instance->receives) && !box.empty()) boxes_.push_back(box);
     }
+    Aabb bounds;
+    for (const Aabb& box : boxes_) bounds.Add(box);
+    faces_ = FacesOf(light_, bounds);
   }
 
+  // Errors  kResourceExhausted QUOTA_WIDTH_TEXELS, "resolution"
   absl::StatusOr<ShadowWidthMap> Make(uint32_t resolution) {
     ShadowWidthMap map{.light = light_, .faces = {}, .c_bias = params_.c_bias};
     if (params_.c_scale > 0) map.c_scale = params_.c_scale;
+    std::vector<std::optional<LightView>> views;
+    uint64_t texels = 0;
     for (const LightFace& face : faces_) {
-      auto made = MakeFace(face, resolution);
+      views.push_back(ViewOf(face, resolution));
+      if (views.back()) texels += uint64_t{views.back()->width} * views.back()->height;
+    }
+    if (texels > kMaxWidthTexels) {
+      return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_WIDTH_TEXELS", "resolution",
+                        absl::StrCat("found ", resolution, ", at which the light's faces have ",
+                                     texels, " texels, need at most ", kMaxWidthTexels));
+    }
+    for (size_t f = 0; f < faces_.size(); ++f) {
+      if (!views[f]) continue;
+      auto made = MakeFace(*views[f]);
       if (!made.ok()) return made.status();
-      if (*made) map.faces.push_back(**std::move(made));
+      if (faces_.size() > 1) made->window = Intersection(faces_[f].window, views[f]->window);
+      map.faces.push_back(*std::move(made));
     }
     return map;
   }
 
  private:
   // nullopt: nothing is to be seen there.
-  absl::StatusOr<std::optional<ShadowWidthFace>> MakeFace(const LightFace& face,
-                                                          uint32_t resolution) {
-    const auto tight = CenterView(face, boxes_, kFinest * LongerSide(face.window));
-    if (!tight) return std::nullopt;
-    const double pitch = LongerSide(tight->window) / resolution;
-    const auto view = CenterView(faces_.size() > 1 ? WithMargin(face) : face, boxes_, pitch);
-    if (!view) return std::nullopt;
+  std::optional<LightView> ViewOf(LightFace face, uint32_t resolution) const {
+    const double finest = kFinest * LongerSide(face.window);
+    if (!CenterView(face, boxes_, finest)) return std::nullopt;
+    if (faces_.size() > 1) face = WithMargin(face);
+    const auto tight = CenterView(face, boxes_, finest);
+    return CenterView(face, boxes_, LongerSide(tight->window) / resolution);
+  }
+
+  absl::StatusOr<ShadowWidthFace> MakeFace(const LightView& view) {
     std::optional<DepthMap> nearest;
-    absl::Status status = source_.Draw({&*view, 1}, context_.stop, [&](size_t, DepthMap map) {
+    absl::Status status = source_.Draw({&view, 1}, context_.stop, [&](size_t, DepthMap map) {
       nearest = std::move(map);
       return absl::OkStatus();
     });
     if (!status.ok()) return status;
     const auto layers = tracer_.Trace(*nearest, context_.stop);
     if (!layers.ok()) return layers.status();
-    auto made = MakeWidthFace(*nearest, *layers, params_,
-                              [this](const BlockedMask& mask) { return Distances(mask); });
-    if (!made.ok()) return made.status();
-    if (faces_.size() > 1) made->window = Intersection(face.window, view->window);
-    return *std::move(made);
+    return MakeWidthFace(*nearest, *layers, params_,
+                         [this](const BlockedMask& mask) { return Distances(mask); });
   }
 
   absl::StatusOr<std::vector<float>> Distances(const BlockedMask& mask) const {
@@ -155,8 +170,8 @@ class Maker {
   DepthSource& source_;
   const ShadowLayerTracer tracer_;
   const ComputeContext& context_;
-  const std::vector<LightFace> faces_;
   std::vector<Aabb> boxes_;
+  std::vector<LightFace> faces_;
 };
 
 ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec) {

@@ -10,7 +10,8 @@ namespace penumbra {
 //
 // Shapes  a scene → a ShadowWidthMap of one to ten faces
 // Errors  Check: NOT_FOUND for the light, INVALID_ARGUMENT for a parameter;
-//         Compute: FAILED_PRECONDITION NO_GL for what GL is asked to do without a context
+//         Compute: FAILED_PRECONDITION NO_GL for what GL is asked to do without a context;
+//         RESOURCE_EXHAUSTED QUOTA_WIDTH_TEXELS: all faces together have too many
 // Source  Kirsch and Döllner 2003
 class ShadowWidth final : public Technique {
  public:

@@ -18,6 +18,8 @@ inline constexpr float kMaxCScale = 1e6f;
 // As much as all of a penumbra.
 inline constexpr float kMaxCBias = 1.0f;
 inline constexpr uint32_t kMaxWidthLayers = 2;
+// Of all faces together: a gigabyte while they are kept. As many as a client takes.
+inline constexpr uint64_t kMaxWidthTexels = uint64_t{1} << 26;
 
 // How distances to what is lit are found.
 enum class DistanceMethod : uint8_t {

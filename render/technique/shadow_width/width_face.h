@@ -20,11 +20,11 @@ using FindDistances = std::function<absl::StatusOr<std::vector<float>>(const Blo
 
 // The face that tells of all of its view.
 //
-// A texel has two layers where a receiver that casts lies between its blocker and the last
-// receiver. The widths of either one's blocker are then measured to what is lit, or is blocked by
-// the other one's instance alone: a cup's on a table to where the table is seen. Outlines that stay
-// joined, as those of one instance, are the same in both layers. Texels with one blocker have its
-// distance to what is lit.
+// A texel has two layers where something casts between its first receiver and the last one. The
+// widths of either one's blocker are then measured to what is lit, or, in the box around such
+// texels, blocked by the other one's instance alone: a cup's on a table to where the table is
+// seen. Outlines that stay joined, as those of one instance, are the same in both layers. Texels
+// with one blocker have its distance to what is lit.
 //
 // Errors  those of `find_distances`
 absl::StatusOr<ShadowWidthFace> MakeWidthFace(const DepthMap& nearest, const ShadowLayers& layers,

@@ -148,6 +148,7 @@ TEST_F(ShadowWordsGlslTest, WidthsAreFoundAsOnTheCpu) {
   for (const bool has_far : {false, true}) {
     for (const bool is_automatic : {false, true}) {
       ShadowWidthMap map = RandomWidthMap(7, has_far);
+      if (has_far) map.light.shape = SphereLight{.center = {1, 2, 3}, .radius = 0.3f};
       if (!is_automatic) map.c_scale = 0.7f, map.c_bias = 0.05f;
       ShadowWords words;
       LightShadow shadow;

@@ -225,7 +225,7 @@ TEST_F(BakeTest, SeveralLightsNameTheirFiles) {
   }
 }
 
-// The picture is brightest where the shadow is deepest, the numbers are the map's.
+// A map's files, and what it takes to find a point's texel in them.
 TEST_F(BakeTest, AWidthMapAsChannels) {
   const Finished bake =
       Run({"bake", scene_, "--floor", "--out", folder_ / "out", "--technique", "shadow_width",

@@ -49,7 +49,7 @@ TEST_F(RemoteEngineTest, WidthsArriveAsTheyWereComputed) {
   ExpectSame(*update->artifact, StudioOnAFloor(Vec3(0, 0.5f, 0)), spec);
   EXPECT_LT(Visibility(*update->artifact, Vec3(0, 0, 0), Vec3(0, 1, 0)), 0.5f);
   EXPECT_EQ(Visibility(*update->artifact, Vec3(1.8f, 0, 1.8f), Vec3(0, 1, 0)), 1.0f);
-  // An edit brings the tiles that it changed.
+  // After an edit it is that of the new scene, from the tiles that changed.
   ASSERT_TRUE(engine->Commit("s", StudioOnAFloor(Vec3(0.7f, 0.5f, 0))).ok());
   update = inbox.WaitForFinal(2);
   ASSERT_TRUE(update);

@@ -160,6 +160,15 @@ TEST(WidthCodecTest, HeadersThatCannotBeAreRefused) {
   bad.mutable_faces(0)->set_max_x(std::nan(""));
   refused(bad, "shadow_width_map.faces[0]");
   bad = good;
+  bad.mutable_faces(0)->mutable_view()->mutable_eye()->set_x(0.5);
+  refused(bad, "shadow_width_map.faces[0].view");
+  bad = good;
+  for (int i = 0; i < 2; ++i) {
+    bad.mutable_faces(i)->mutable_view()->set_width(8192);
+    bad.mutable_faces(i)->mutable_view()->set_height(8192);
+  }
+  refused(bad, "shadow_width_map.faces");
+  bad = good;
   while (bad.faces_size() <= 10) *bad.add_faces() = good.faces(0);
   refused(bad, "shadow_width_map.faces");
 }

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -238,28 +239,35 @@ TEST(ShadowWidthTest, OddScenesAreAnswered) {
   EXPECT_TRUE(share >= 0 && share <= 1);
 }
 
-struct BadParams {
-  ShadowWidthParams params;
-  const char* field;
-  const char* text;
-};
+// Six faces of 8192 texels a side are more than a client takes.
+TEST(ShadowWidthTest, TooManyTexelsAreRefused) {
+  const auto status =
+      Compute({.upsert_instances = {Box("room", Vec3(0), Vec3(2))},
+               .upsert_lights = {{.id = "lamp", .shape = SphereLight{.radius = 0.1f}}}},
+              {.resolution = 8192})
+          .status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ErrorReason(status), "QUOTA_WIDTH_TEXELS");
+  EXPECT_EQ(ErrorFieldPath(status), "shadow_width.resolution");
+}
 
 TEST(ShadowWidthTest, ParametersOutOfRangeAreNamed) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const SceneDelta delta{.upsert_lights = {Lamp(1)}};
-  for (const BadParams& bad : {
-           BadParams{{.resolution = 0}, "shadow_width.resolution", "found 0, need 1 to 8192"},
-           BadParams{{.resolution = 8193}, "shadow_width.resolution", "found 8193"},
-           BadParams{{.layers = 0}, "shadow_width.layers", "need 1 or 2"},
-           BadParams{{.layers = 3}, "shadow_width.layers", "found 3"},
-           BadParams{{.c_scale = -1}, "shadow_width.c_scale", "found -1"},
-           BadParams{{.c_scale = nan}, "shadow_width.c_scale", "found nan"},
-           BadParams{{.c_bias = 1.5f}, "shadow_width.c_bias", "need 0 to 1"},
+  using Bad = std::tuple<ShadowWidthParams, const char*, const char*>;
+  for (const auto& [params, field, text] : {
+           Bad{{.resolution = 0}, "shadow_width.resolution", "found 0, need 1 to 8192"},
+           Bad{{.resolution = 8193}, "shadow_width.resolution", "found 8193"},
+           Bad{{.layers = 0}, "shadow_width.layers", "need 1 or 2"},
+           Bad{{.layers = 3}, "shadow_width.layers", "found 3"},
+           Bad{{.c_scale = -1}, "shadow_width.c_scale", "found -1"},
+           Bad{{.c_scale = nan}, "shadow_width.c_scale", "found nan"},
+           Bad{{.c_bias = 1.5f}, "shadow_width.c_bias", "need 0 to 1"},
        }) {
-    const auto status = Compute(delta, bad.params).status();
+    const auto status = Compute(delta, params).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-    EXPECT_EQ(ErrorFieldPath(status), bad.field);
-    EXPECT_THAT(std::string(status.message()), HasSubstr(bad.text));
+    EXPECT_EQ(ErrorFieldPath(status), field);
+    EXPECT_THAT(std::string(status.message()), HasSubstr(text));
   }
 }
 
