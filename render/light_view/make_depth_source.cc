@@ -2,21 +2,13 @@
 
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "render/light_view/auto_depth_source.h"
 #include "render/light_view/gl_depth_source.h"
+#include "render/light_view/no_gl.h"
 #include "render/light_view/raster_depth_source.h"
 #include "render/light_view/ray_depth_source.h"
-#include "render/scene/field_error.h"
 
 namespace penumbra {
-
-absl::Status NoGl(std::string_view field, std::string_view found, std::string_view gl_error) {
-  return FieldError(absl::StatusCode::kFailedPrecondition, "NO_GL", field,
-                    absl::StrCat("found ", std::string(found),
-                                 ", need an engine with an OpenGL context, or another method",
-                                 gl_error.empty() ? "" : ": ", std::string(gl_error)));
-}
 
 absl::StatusOr<std::unique_ptr<DepthSource>> MakeDepthSource(DepthMethod method, const Scene& scene,
                                                              const DepthSourceMeans& means,

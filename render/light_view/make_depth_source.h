@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <string>
-#include <string_view>
 
 #include "absl/status/statusor.h"
 #include "render/light_view/caster_bvh.h"
@@ -24,12 +23,6 @@ struct DepthSourceMeans {
   gl::Context* gl = nullptr;  // current on this thread, or null
   std::string gl_error;       // where `gl` is null: why there is none, if anybody knows
 };
-
-// What asks for GL where there is none.
-//
-// field  of the parameters, whose value `found` does
-// Errors kFailedPrecondition, NO_GL, at the field
-absl::Status NoGl(std::string_view field, std::string_view found, std::string_view gl_error);
 
 // field   of the parameters, that `method` comes from: "layered_attenuation.depth_method"
 // Errors  kFailedPrecondition, NO_GL, at the field: kGl without a context

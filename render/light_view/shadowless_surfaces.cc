@@ -38,8 +38,7 @@ std::vector<Instance> Patches(const Scene& scene) {
   return patches;
 }
 
-}  // namespace
-
+// What receives and does not cast; here it does.
 std::vector<Instance> InstancesWithoutShadows(const Scene& scene) {
   std::vector<Instance> surfaces;
   for (const auto& [id, instance] : scene.instances()) {
@@ -50,6 +49,8 @@ std::vector<Instance> InstancesWithoutShadows(const Scene& scene) {
   for (Instance& patch : Patches(scene)) surfaces.push_back(std::move(patch));
   return surfaces;
 }
+
+}  // namespace
 
 std::vector<std::shared_ptr<const Scene>> SurfacesWithoutShadows(const Scene& scene) {
   std::vector<std::shared_ptr<const Scene>> surfaces;

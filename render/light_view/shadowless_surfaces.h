@@ -11,12 +11,9 @@
 
 namespace penumbra {
 
-// An instance for each of `scene` that receives and does not cast, under its own id, and for each
-// receiver that stands by itself, as a whole patch, under an id that no instance of the scene has.
-// All cast, so that depth maps see them.
-std::vector<Instance> InstancesWithoutShadows(const Scene& scene);
-
-// Each of them in a scene of its own: alone, since it hides none of the others.
+// For each instance of `scene` that receives and does not cast, and for each receiver that stands
+// by itself, as a whole patch, a scene of its own: alone, since it hides none of the others. There
+// it casts, so that depth maps show it.
 std::vector<std::shared_ptr<const Scene>> SurfacesWithoutShadows(const Scene& scene);
 
 // `scene` with an instance for each receiver that stands by itself; its own are the same objects,

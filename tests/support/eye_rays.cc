@@ -7,26 +7,10 @@
 #include <limits>
 
 #include "render/math/parallel_for.h"
+#include "tests/support/attach_triangles.h"
 
 namespace penumbra::testing {
 namespace {
-
-void Attach(RTCDevice device, RTCScene top, const Instance& instance) {
-  const Mesh& mesh = *instance.mesh;
-  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* const vertices = static_cast<Vec3*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), mesh.vertex_count()));
-  for (size_t i = 0; i < mesh.vertex_count(); ++i) {
-    vertices[i] = TransformPoint(instance.world_from_mesh, mesh.positions()[i]);
-  }
-  auto* const indices = static_cast<uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                              3 * sizeof(uint32_t), mesh.triangle_count()));
-  std::ranges::copy(mesh.indices(), indices);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(top, geometry);
-  rtcReleaseGeometry(geometry);
-}
 
 RTCRay RayAlong(Vec3 from, Vec3 way, float far) {
   RTCRay ray{};
@@ -43,7 +27,8 @@ EyeRays::EyeRays(const Scene& scene)
     : device_(rtcNewDevice(nullptr), rtcReleaseDevice),
       top_(rtcNewScene(device_.get()), rtcReleaseScene) {
   rtcSetSceneFlags(top_.get(), RTC_SCENE_FLAG_ROBUST);
-  for (const auto& [id, instance] : scene.instances()) Attach(device_.get(), top_.get(), *instance);
+  for (const auto& [id, instance] : scene.instances())
+    AttachTriangles(device_.get(), top_.get(), *instance);
   rtcCommitScene(top_.get());
 }
 

@@ -6,6 +6,7 @@
 
 #include "render/math/parallel_for.h"
 #include "render/technique/coherent_raytrace/point_samples.h"
+#include "tests/support/attach_triangles.h"
 
 namespace penumbra::testing {
 namespace {
@@ -50,26 +51,9 @@ PacketRays::PacketRays(const Scene& scene)
     : device_(rtcNewDevice(nullptr), rtcReleaseDevice),
       top_(rtcNewScene(device_.get()), rtcReleaseScene) {
   for (const auto& [id, instance] : scene.instances()) {
-    if (instance->casts) Add(*instance);
+    if (instance->casts) AttachTriangles(device_.get(), top_.get(), *instance);
   }
   rtcCommitScene(top_.get());
-}
-
-void PacketRays::Add(const Instance& instance) {
-  const Mesh& mesh = *instance.mesh;
-  const RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* const vertices = static_cast<Vec3*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), mesh.vertex_count()));
-  for (size_t i = 0; i < mesh.vertex_count(); ++i) {
-    vertices[i] = TransformPoint(instance.world_from_mesh, mesh.positions()[i]);
-  }
-  auto* const indices = static_cast<uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                              3 * sizeof(uint32_t), mesh.triangle_count()));
-  std::ranges::copy(mesh.indices(), indices);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(top_.get(), geometry);
-  rtcReleaseGeometry(geometry);
 }
 
 std::vector<uint16_t> PacketRays::VisibleFrom(const SurfacePoints& points,

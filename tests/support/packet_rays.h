@@ -37,8 +37,6 @@ class PacketRays {
                                     tbb::task_arena& arena) const;
 
  private:
-  void Add(const Instance& instance);
-
   std::shared_ptr<RTCDeviceTy> device_;
   std::shared_ptr<RTCSceneTy> top_;
 };

@@ -12,6 +12,7 @@
 #include "render/artifact/light_extent.h"
 #include "render/light_view/light_face.h"
 #include "render/light_view/make_depth_source.h"
+#include "render/light_view/no_gl.h"
 #include "render/light_view/shadow_layers.h"
 #include "render/light_view/shadowless_surfaces.h"
 #include "render/light_view/view_fit.h"

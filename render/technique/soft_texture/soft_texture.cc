@@ -2,8 +2,7 @@
 
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "render/scene/field_error.h"
+#include "render/light_view/no_gl.h"
 #include "render/technique/soft_texture/all_lights.h"
 #include "render/technique/soft_texture/params_check.h"
 #include "render/technique/soft_texture/texture_passes.h"
@@ -29,10 +28,7 @@ absl::StatusOr<Artifact> SoftTexture::Compute(const Scene& scene, const Artifact
                                               const ComputeContext& context) const {
   if (const auto status = Check(scene, spec); !status.ok()) return status;
   if (NeedsGl(spec) && !context.gl) {
-    return FieldError(absl::StatusCode::kFailedPrecondition, "NO_GL", "soft_texture.method",
-                      absl::StrCat("found gl, need an engine with an OpenGL context, or another "
-                                   "method",
-                                   context.gl_error.empty() ? "" : ": ", context.gl_error));
+    return NoGl("soft_texture.method", NameOf(VisibilityMethod::kGl), context.gl_error);
   }
   if (spec.light_id == kAllLights) return ComputeAllLights(scene, spec, context);
   TexturePasses passes(scene, spec, context);
