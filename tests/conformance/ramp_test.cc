@@ -19,8 +19,8 @@ class RampTest : public ConformanceTest {
   // A sheet at half the light's height fills x < 0, further than any ray goes. A texel at x sees
   // the part of the light beyond −x: `visible_beyond` gives that part.
   void ExpectRamp(const LightShape& light, const std::function<float(float)>& visible_beyond) {
-    // Of plausible shadows all of the ramp lies within the outline, half a penumbra from the light's;
-    // how wide it is, tests/unit/shadow_width/penumbra_width_test.cc says.
+    // Of plausible shadows all of the ramp lies within the outline, half a penumbra from the
+    // light's; how wide it is, tests/unit/shadow_width/penumbra_width_test.cc says.
     if (is_plausible()) GTEST_SKIP() << "plausible shadows have ramps of their own";
     const auto grid = Visibilities({.light = light,
                                     .receiver = FloorReceiver("receiver", 2, kTexels),
