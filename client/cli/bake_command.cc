@@ -57,14 +57,20 @@ size_t TexelCount(const ShadowWidthMap& map) {
   return texels;
 }
 
-// Of artifacts that have faces; nullopt for others.
-std::optional<size_t> FaceCount(const ArtifactPayload& payload) {
+// Of artifacts that are of what the light sees: faces, or volumes. Nullopt for others.
+std::optional<size_t> SeenCount(const ArtifactPayload& payload) {
+  if (const auto* mesh = std::get_if<ShadowVolumeMesh>(&payload)) return mesh->volumes.size();
   if (const auto* ldi = std::get_if<AttenuationLdi>(&payload)) return ldi->faces.size();
   if (const auto* map = std::get_if<ShadowWidthMap>(&payload)) return map->faces.size();
   return std::nullopt;
 }
 
 std::string Describe(const BakeRecord& record) {
+  if (const auto* mesh = std::get_if<ShadowVolumeMesh>(&record.artifact.payload)) {
+    return absl::StrFormat("%s: %d triangles of %d volume%s, %.1f ms", record.name,
+                           mesh->triangle_count(), mesh->volumes.size(),
+                           mesh->volumes.size() == 1 ? "" : "s", record.wall_ms);
+  }
   if (const auto* map = std::get_if<ShadowWidthMap>(&record.artifact.payload)) {
     return absl::StrFormat("%s: %d texels on %d face%s, %.1f ms", record.name, TexelCount(*map),
                            map->faces.size(), map->faces.size() == 1 ? "" : "s", record.wall_ms);
@@ -96,8 +102,10 @@ Json ToJson(const BakeRecord& record, const BakeCommand& command,
     json["visible_percent"] = VisiblePercent(*texels);
   } else if (const auto* ldi = std::get_if<AttenuationLdi>(&record.artifact.payload)) {
     json["layers"] = LayerCount(*ldi);
+  } else if (const auto* map = std::get_if<ShadowWidthMap>(&record.artifact.payload)) {
+    json["texels"] = TexelCount(*map);
   } else {
-    json["texels"] = TexelCount(std::get<ShadowWidthMap>(record.artifact.payload));
+    json["triangles"] = std::get<ShadowVolumeMesh>(record.artifact.payload).triangle_count();
   }
   json["files"] = std::move(paths);
   json["wall_ms"] = record.wall_ms;
@@ -116,7 +124,7 @@ absl::StatusOr<Json> BakeAll(const BakeCommand& command, const ShadowPlan& plan,
     const double start_ms = NowMs();
     const auto artifact = ComputeShadow(engine, scene_id, spec, name, progress, stop);
     if (!artifact.ok()) return artifact.status();
-    if (FaceCount((*artifact)->payload) == 0) {
+    if (SeenCount((*artifact)->payload) == 0) {
       progress.Finish(absl::StrCat(name, ": the light sees nothing, no file is written"));
       continue;
     }
@@ -128,6 +136,7 @@ absl::StatusOr<Json> BakeAll(const BakeCommand& command, const ShadowPlan& plan,
     const auto files = WriteBake(record, command.out);
     if (!files.ok()) return files.status();
     progress.Finish(Describe(record));
+    NoteWarning(**artifact, name, console);
     baked.push_back(ToJson(record, command, *files));
   }
   return baked;

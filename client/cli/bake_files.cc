@@ -1,9 +1,12 @@
 #include "client/cli/bake_files.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "client/cli/output_files.h"
+#include "client/cli/volume_files.h"
 #include "client/cli/width_map_files.h"
 #include "client/display/deep_exr.h"
 #include "client/display/image_io.h"
@@ -101,6 +104,9 @@ float ExposureFor(const AttenuationLdi&, const Picture& picture) {
 float ExposureFor(const ShadowWidthMap&, const Picture& picture) {
   return ExposureForBrightest(picture);
 }
+float ExposureFor(const ShadowVolumeMesh&, const Picture& picture) {
+  return ExposureForBrightest(picture);
+}
 // As a view of the scene is exposed: next to a lamp all else would be black.
 float ExposureFor(const ViewShadow& view, const Picture& picture) {
   return view.radiance ? SuggestExposure(picture) : ExposureForBrightest(picture);
@@ -111,6 +117,7 @@ float ExposureFor(const ViewShadow& view, const Picture& picture) {
 const CoverageMask* ShownOf(const SoftShadowTexture&) { return nullptr; }
 const CoverageMask* ShownOf(const AttenuationLdi&) { return nullptr; }
 const CoverageMask* ShownOf(const ShadowWidthMap&) { return nullptr; }
+const CoverageMask* ShownOf(const ShadowVolumeMesh&) { return nullptr; }
 const CoverageMask* ShownOf(const ViewShadow& view) { return view.coverage.get(); }
 
 absl::Status WriteNumbers(const std::filesystem::path& path, const ShadowTexels& texels,
@@ -130,26 +137,49 @@ absl::Status WriteNumbers(const std::filesystem::path& path, const AttenuationLd
   return WriteDeepExr(path, ldi);
 }
 
+constexpr const char* kBoundaryExtensions[] = {"glb", "ply", "obj"};
+
 }  // namespace
+
+std::vector<std::string> ExtensionsOf(const ArtifactPayload& payload) {
+  std::vector<std::string> extensions = {"exr", "png", "json"};
+  const auto* mesh = std::get_if<ShadowVolumeMesh>(&payload);
+  if (mesh == nullptr) return extensions;
+  if (mesh->sample_count() == 0) extensions = {"json"};
+  extensions.insert(extensions.end(), std::begin(kBoundaryExtensions),
+                    std::end(kBoundaryExtensions));
+  return extensions;
+}
 
 absl::StatusOr<std::vector<std::string>> WriteBake(const BakeRecord& record,
                                                    const std::filesystem::path& folder) {
-  std::vector<std::string> files;
-  for (const char* extension : {".exr", ".png", ".json"}) files.push_back(record.name + extension);
-  const auto path = [&](size_t i) { return folder / files[i]; };
   const ArtifactPayload& payload = record.artifact.payload;
+  const auto path = [&](const std::string& extension) {
+    return folder / absl::StrCat(record.name, ".", extension);
+  };
+  std::vector<std::string> files;
+  for (const std::string& extension : ExtensionsOf(payload)) {
+    files.push_back(absl::StrCat(record.name, ".", extension));
+  }
   const RadianceTexture picture =
       std::visit([](const auto& kind) { return PictureOf(kind); }, payload);
   const Picture shown =
       std::visit([&](const auto& kind) { return ToPicture(picture, ShownOf(kind)); }, payload);
   const float exposure = record.exposure.value_or(
       std::visit([&](const auto& kind) { return ExposureFor(kind, shown); }, payload));
-  absl::Status status =
-      std::visit([&](const auto& kind) { return WriteNumbers(path(0), kind, picture); }, payload);
-  if (status.ok()) {
-    status = WritePng(path(1), shown.width, shown.height, ToSrgb(shown, {.exposure = exposure}));
+  absl::Status status;
+  if (!shown.pixels.empty()) {
+    status = std::visit([&](const auto& kind) { return WriteNumbers(path("exr"), kind, picture); },
+                        payload);
+    status.Update(
+        WritePng(path("png"), shown.width, shown.height, ToSrgb(shown, {.exposure = exposure})));
   }
-  if (status.ok()) status = WriteText(path(2), BakeJson(record, exposure));
+  if (const auto* mesh = std::get_if<ShadowVolumeMesh>(&payload)) {
+    for (const char* extension : kBoundaryExtensions) {
+      status.Update(WriteBoundary(path(extension), *mesh));
+    }
+  }
+  if (status.ok()) status = WriteText(path("json"), BakeJson(record, exposure));
   if (!status.ok()) return status;
   return files;
 }

@@ -1,4 +1,4 @@
-// The three files that a bake writes for one shadow.
+// The files that a bake writes for one shadow.
 //
 //   NAME.exr   of a texture: row 0 at v = 0; channels R, G, B (reflected radiance), count (visible
 //              light samples) and inside (1: the texel lies on the receiver, 0: it repeats one
@@ -12,6 +12,9 @@
 //              brightest channel of all texels 1; of points' radiance it is SuggestExposure(), and
 //              a background is shown where they have no surface
 //   NAME.json  all that is needed to compute the counts again by other means
+//
+// Of a shadow volume mesh NAME.exr and NAME.png are there where it has depth maps, and the boundary
+// is written as NAME.glb, NAME.ply and NAME.obj (client/cli/volume_files.h).
 #pragma once
 
 #include <filesystem>
@@ -31,6 +34,9 @@ struct BakeRecord {
   std::optional<float> exposure;  // absent: chosen for the PNG
   double wall_ms = 0.0;           // from asking for the artifact to having it
 };
+
+// Of the files that are written: "exr", "png", …
+std::vector<std::string> ExtensionsOf(const ArtifactPayload& payload);
 
 // The JSON's text. `exposure` is the one that the PNG was made with.
 std::string BakeJson(const BakeRecord& record, float exposure);

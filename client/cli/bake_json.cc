@@ -77,15 +77,36 @@ Json ToJson(const LdiFace& face) {
 }
 
 // With all that it takes to find a point's texel.
-Json ToJson(const ShadowWidthFace& face) {
-  Json json = ToJson(face.view);
-  const Window& window = face.view.window;
-  json["axis_s"] = ToJson(Vec3(face.view.frame.axes.s));
-  json["axis_t"] = ToJson(Vec3(face.view.frame.axes.t));
+Json PlaceToJson(const LightView& view) {
+  Json json = ToJson(view);
+  const Window& window = view.window;
+  json["axis_s"] = ToJson(Vec3(view.frame.axes.s));
+  json["axis_t"] = ToJson(Vec3(view.frame.axes.t));
   json["window"] = {window.min.x, window.min.y, window.max.x, window.max.y};
+  return json;
+}
+
+Json ToJson(const ShadowWidthFace& face) {
+  Json json = PlaceToJson(face.view);
   const Window& told = face.window;
   json["tells_of"] = {told.min.x, told.min.y, told.max.x, told.max.y};
   json["layers"] = face.far ? 2 : 1;
+  return json;
+}
+
+Json ToJson(const ShadowVolume& volume) {
+  constexpr const char* kKinds[] = {"reconstructed", "vectorized", "object"};
+  Json faces = Json::array();
+  for (const VolumeFace& face : volume.faces) {
+    faces.push_back(PlaceToJson(face.map.view));
+    faces.back()["borders_on"] = face.border == VolumeBorder::kNothing ? "nothing" : "others";
+  }
+  Json json = {{"kind", kKinds[static_cast<size_t>(volume.kind)]},
+               {"content", volume.content.hex()},
+               {"triangles", volume.triangle_count()},
+               {"vertices", volume.vertices.size()},
+               {"faces", std::move(faces)}};
+  if (!volume.instance_id.empty()) json["instance"] = volume.instance_id;
   return json;
 }
 
@@ -115,6 +136,12 @@ struct Particulars {
     json["sample_count"] = ldi.sample_count;
     json["tolerance"] = ldi.tolerance;
   }
+  void operator()(const ShadowVolumeMesh& mesh) const {
+    json["volumes"] = Json::array();
+    for (const auto& volume : mesh.volumes) json["volumes"].push_back(ToJson(*volume));
+    json["bias_px"] = mesh.bias_px;
+    json["edge_fraction"] = mesh.edge_fraction;
+  }
   void operator()(const ShadowWidthMap& map) const {
     json["faces"] = Json::array();
     for (const ShadowWidthFace& face : map.faces) json["faces"].push_back(ToJson(face));
@@ -141,8 +168,12 @@ std::string BakeJson(const BakeRecord& record, float exposure) {
   json["error_estimate"] = header.error_estimate;
   json["light_samples"] = std::move(samples);
   json["timings_ms"] = std::move(timings);
-  json["files"] = {{"exr", record.name + ".exr"}, {"png", record.name + ".png"}};
-  json["png"] = {{"transfer", "sRGB"}, {"tone", "clipped at 1"}, {"exposure", exposure}};
+  for (const std::string& extension : ExtensionsOf(record.artifact.payload)) {
+    if (extension != "json") json["files"][extension] = record.name + "." + extension;
+  }
+  if (json["files"].contains("png")) {
+    json["png"] = {{"transfer", "sRGB"}, {"tone", "clipped at 1"}, {"exposure", exposure}};
+  }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -187,7 +187,8 @@ void Grammar::AddBake() {
   AddPoints(app, bake_.request.points);
   AddEngine(app, bake_.engine);
   AddThreads(app, bake_.engine);
-  app->add_option("--out", bake_.out, "Folder for NAME.exr, NAME.png and NAME.json")
+  app->add_option("--out", bake_.out,
+                  "Folder for NAME.exr, NAME.png and NAME.json, and of shadow volumes meshes")
       ->type_name("DIR")
       ->required();
   Add(app, "--exposure", "FACTOR",
@@ -195,45 +196,6 @@ void Grammar::AddBake() {
       "from the picture)",
       [this](const std::string& text) { return SetExposure(text, bake_.exposure); });
   app->add_flag("--json", bake_.json, "Print what was written as JSON");
-}
-
-void Grammar::AddView() {
-  CLI::App* app = AddCommand(view_, "view", "Draw a scene with its soft shadows");
-  // As instances are where their file says nothing, so that a patch does not outshine them.
-  view_.request.reflectance = Vec3(0.8f);
-  AddRequest(app, view_.request, "--texture-size");
-  AddTechnique(app, view_.request.params, &view_.final_params);
-  AddEngine(app, view_.engine);
-  AddThreads(app, view_.engine);
-  app->add_option("--receivers", view_.max_planar_receivers,
-                  "How many flat instances receive shadows where none is named (default 4)")
-      ->type_name("N");
-  Add(app, "--camera", "\"eye target [up] [fov_deg]\"",
-      "Where the picture is taken from (default: the file's camera, or all in sight)",
-      [this](const std::string& text) { return SetCamera(text, view_.camera); });
-  AddTo(app, "--size", kSizeForm, "Pixels of the picture (default 960x640)", view_.size,
-        ReadPixels);
-  app->add_option("--out", view_.out, "The picture, .png or .exr")->type_name("FILE")->required();
-  CLI::Option* final =
-      app->add_flag("--final", view_.final,
-                    "Then trace the final picture's shadows (coherent_raytrace) and show these, "
-                    "with the --samples and the --seed given");
-  AddRepeated(app, "--final-set", "NAME=VALUE",
-              "A parameter of coherent_raytrace for --final; --set is for the technique before it",
-              [this](const std::string& text) {
-                view_.has_final_settings = true;
-                return SetParameter("--final-set", view_.final_params, text);
-              })
-      ->needs(final);
-  Add(app, "--ambient", "\"r g b\"",
-      "Radiance that reaches every surface (default: a share of the light there is)",
-      [this](const std::string& text) { return SetAmbient(text, view_.ambient); });
-  app->add_flag("--cull-back-faces", view_.culls_back_faces,
-                "Leave out faces that turn away, to look into a closed room");
-  Add(app, "--exposure", "FACTOR",
-      "What radiance is multiplied by in a PNG (default: from the picture)",
-      [this](const std::string& text) { return SetExposure(text, view_.exposure); });
-  app->add_flag("--json", view_.json, "Print what was drawn as JSON");
 }
 
 Grammar::Grammar() {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/cli/numbers.h"
+#include "client/display/volume_look.h"
 #include "render/math/vec.h"
 #include "render/scene/area_light.h"
 #include "render/scene/camera.h"
@@ -77,9 +78,10 @@ struct ViewCommand {
   // go up to 65,504 only, whatever the light's strength.
   bool final = false;
   TechniqueParams final_params = CoherentRaytraceParams{.output = RadianceFormat::kFloat32};
-  bool has_final_settings = false;  // some of them were given for it alone
-  std::optional<Vec3> ambient;      // absent: a share of the light there is
-  std::optional<float> exposure;    // absent: found from the picture
+  bool has_final_settings = false;        // some of them were given for it alone
+  std::optional<Vec3> ambient;            // absent: a share of the light there is
+  std::optional<float> exposure;          // absent: found from the picture
+  std::optional<VolumeLook> volume_look;  // some of it was given
   bool culls_back_faces = false;
   bool json = false;
 };

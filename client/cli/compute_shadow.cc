@@ -28,4 +28,10 @@ absl::StatusOr<std::shared_ptr<const Artifact>> ComputeShadow(
   return ComputeOnce(engine, scene_id, spec, {.progress = show, .stop = stop});
 }
 
+void NoteWarning(const Artifact& artifact, const std::string& label, const Console& console) {
+  const auto warning = artifact.header.parameters.find("warning");
+  if (warning == artifact.header.parameters.end()) return;
+  console.Note(absl::StrCat(label, ": ", warning->second));
+}
+
 }  // namespace penumbra

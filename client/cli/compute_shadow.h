@@ -18,4 +18,7 @@ absl::StatusOr<std::shared_ptr<const Artifact>> ComputeShadow(
     Engine& engine, const std::string& scene_id, const ArtifactSpec& spec, const std::string& label,
     ProgressLine& progress, std::stop_token stop);
 
+// Says what the technique warns of, if it does.
+void NoteWarning(const Artifact& artifact, const std::string& label, const Console& console);
+
 }  // namespace penumbra

@@ -45,6 +45,7 @@ absl::StatusOr<DrawnPicture> GlPencil::Draw(const Scene& scene, const Shadows& s
   const RenderOptions options{.width = static_cast<int>(request.size.width),
                               .height = static_cast<int>(request.size.height),
                               .ambient = request.ambient.value_or(SuggestAmbient(scene)),
+                              .volume_look = request.volume_look,
                               .culls_back_faces = request.culls_back_faces};
   const auto render = [&](const RenderOptions& chosen) {
     return renderer_->Render(*context_, scene, shadows, request.camera, chosen);

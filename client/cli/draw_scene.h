@@ -12,6 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/cli/numbers.h"
+#include "client/display/volume_look.h"
 #include "client/import/import_scene.h"
 #include "render/artifact/artifact.h"
 #include "render/scene/camera.h"
@@ -26,6 +27,7 @@ struct DrawRequest {
   Camera camera;
   std::optional<Vec3> ambient;    // absent: a share of the light there is
   std::optional<float> exposure;  // absent: found from the picture
+  VolumeLook volume_look;
   bool culls_back_faces = false;
 };
 

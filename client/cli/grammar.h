@@ -37,6 +37,7 @@ class Grammar {
   void AddPoints(CLI::App* app, PointRequest& points);
   void AddBake();
   void AddView();
+  void AddVolumeLook(CLI::App* app);
   void AddPushAndWatch();
   void AddListings();
   void AddDemo();

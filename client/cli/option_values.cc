@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -23,6 +26,11 @@ constexpr uint32_t kMaxPictureSide = 16'384;
 
 absl::Status RangeError(std::string_view option, std::string_view text, std::string_view need) {
   return OptionError(option, "RANGE", {text}, absl::StrCat(", need ", std::string(need)));
+}
+
+std::string OneOf(std::span<const std::string_view> names) {
+  const std::vector<std::string> all(names.begin(), names.end());
+  return absl::StrCat("one of: ", absl::StrJoin(all, ", "));
 }
 
 absl::Status CountError(std::string_view option, size_t found, std::string_view need) {
@@ -137,12 +145,7 @@ absl::Status SetSceneId(std::string_view text, std::string& scene_id) {
 absl::Status SetMethod(TechniqueParams& params, std::string_view text) {
   const auto method = VisibilityMethodNamed(text);
   if (!method) {
-    return RangeError(
-        "--method", text,
-        absl::StrCat("one of: ", absl::StrJoin(kVisibilityMethodNames, ", ",
-                                               [](std::string* out, std::string_view name) {
-                                                 out->append(name);
-                                               })));
+    return RangeError("--method", text, OneOf(kVisibilityMethodNames));
   }
   const auto soft_texture = OfSoftTexture("--method", params);
   if (soft_texture.ok()) (*soft_texture)->method = *method;
@@ -208,6 +211,31 @@ absl::Status SetDensity(std::string_view text, float& texels_per_metre) {
 
 absl::Status SetExposure(std::string_view text, std::optional<float>& exposure) {
   return Set(ReadPositive("--exposure", text), exposure);
+}
+
+absl::Status SetVolumeShading(std::string_view text, VolumeShading& shading) {
+  const auto name = std::ranges::find(kVolumeShadingNames, text);
+  if (name == kVolumeShadingNames.end()) {
+    return RangeError("--volume-shading", text, OneOf(kVolumeShadingNames));
+  }
+  shading = static_cast<VolumeShading>(name - kVolumeShadingNames.begin());
+  return absl::OkStatus();
+}
+
+absl::Status SetVolumeOpacity(std::string_view text, float& opacity) {
+  return Set(ReadNumber(
+                 "--volume-opacity", text, [](float x) { return x >= 0 && x <= 1; },
+                 "a number from 0 to 1"),
+             opacity);
+}
+
+absl::Status SetVolumePasses(std::string_view text, int& passes) {
+  const auto number = ReadInteger<uint32_t>(text);
+  if (!number || *number < 1 || *number > uint32_t{kMaxVolumePasses}) {
+    return RangeError("--volume-passes", text, absl::StrCat("1 to ", kMaxVolumePasses));
+  }
+  passes = static_cast<int>(*number);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<PixelRect> ReadRect(std::string_view option, std::string_view text) {

@@ -46,6 +46,9 @@ absl::Status SetAmbient(std::string_view text, std::optional<Vec3>& ambient);   
 absl::StatusOr<Vec3> ReadReflectance(std::string_view option, std::string_view text);  // in [0, 1]
 
 absl::Status SetExposure(std::string_view text, std::optional<float>& exposure);  // > 0
+absl::Status SetVolumeShading(std::string_view text, VolumeShading& shading);
+absl::Status SetVolumeOpacity(std::string_view text, float& opacity);  // in [0, 1]
+absl::Status SetVolumePasses(std::string_view text, int& passes);      // 1 to kMaxVolumePasses
 absl::Status SetCamera(std::string_view text, std::optional<Camera>& camera);
 
 }  // namespace penumbra

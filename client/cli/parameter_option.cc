@@ -69,6 +69,12 @@ absl::Status Set(std::string_view text, DistanceMethod& value) {
 absl::Status Set(std::string_view text, BlockerDepth& value) {
   return SetNamed(text, kBlockerDepthNames, value);
 }
+absl::Status Set(std::string_view text, VolumeSurface& value) {
+  return SetNamed(text, kVolumeSurfaceNames, value);
+}
+absl::Status Set(std::string_view text, VolumesOf& value) {
+  return SetNamed(text, kVolumesOfNames, value);
+}
 absl::Status Set(std::string_view text, RayBackend& value) {
   return SetNamed(text, kRayBackendNames, value);
 }
@@ -120,6 +126,18 @@ constexpr Parameter<Width> kWidth[] = {
     Of<Width, &Width::source>("source"),
 };
 
+using Volume = ShadowVolumeParams;
+constexpr Parameter<Volume> kVolume[] = {
+    Of<Volume, &Volume::resolution>("resolution"),
+    Of<Volume, &Volume::bias>("bias"),
+    Of<Volume, &Volume::low_threshold>("low_threshold"),
+    Of<Volume, &Volume::high_threshold>("high_threshold"),
+    Of<Volume, &Volume::surface>("surface"),
+    Of<Volume, &Volume::volumes_of>("volumes_of"),
+    Of<Volume, &Volume::object_ids>("object_ids"),
+    Of<Volume, &Volume::source>("source"),
+};
+
 struct Unknown {};
 
 // A status, or that there is no such parameter.
@@ -147,6 +165,11 @@ Outcome SetOf(CoherentRaytraceParams& params, TechniqueParams&, std::string_view
 Outcome SetOf(ShadowWidthParams& params, TechniqueParams&, std::string_view name,
               std::string_view value) {
   return SetOneOf(kWidth, params, name, value);
+}
+
+Outcome SetOf(ShadowVolumeParams& params, TechniqueParams&, std::string_view name,
+              std::string_view value) {
+  return SetOneOf(kVolume, params, name, value);
 }
 
 // Each of its parameters has an option of its own.

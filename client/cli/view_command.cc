@@ -63,6 +63,7 @@ absl::Status Receive(Engine& engine, const std::string& scene_id,
     auto artifact = ComputeShadow(engine, scene_id, shadow.spec, shadow.name, progress, stop);
     if (!artifact.ok()) return artifact.status();
     progress.Finish(absl::StrFormat("%s: %.1f ms", shadow.name, NowMs() - start_ms));
+    NoteWarning(**artifact, shadow.name, console);
     shadows.push_back(*std::move(artifact));
   }
   return absl::OkStatus();
@@ -101,6 +102,7 @@ absl::Status Draw(const ViewCommand& command, const Camera& camera, const Scene&
                          .camera = camera,
                          .ambient = command.ambient,
                          .exposure = command.exposure,
+                         .volume_look = command.volume_look.value_or(VolumeLook{}),
                          .culls_back_faces = command.culls_back_faces};
   auto pencil = Pencil::Create();
   if (!pencil.ok()) return pencil.status();
@@ -124,6 +126,10 @@ absl::Status CheckOptionsFit(const ViewCommand& command) {
   }
   if (command.has_final_settings && target == SpecTarget::kPoints) {
     return TechniqueConflict("--final-set", params, "--set");
+  }
+  if (command.volume_look && !std::holds_alternative<ShadowVolumeParams>(params)) {
+    return TechniqueConflict("--volume-shading, --volume-opacity and --volume-passes", params,
+                             ShadowVolumeParams::kInfo.name);
   }
   return CheckOptionsFit(command.request);
 }

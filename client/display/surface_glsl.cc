@@ -79,6 +79,7 @@ uniform bool culls_back_faces;
 uniform bool has_vertex_normals;
 uniform bool receives;
 uniform int light_count;
+uniform int drawn_lights;  // one of them alone, or below 0 as the constants say
 uniform uint first_candidate;
 uniform uint end_candidate;
 
@@ -124,7 +125,7 @@ float ShareOn(uint code, vec3 position, vec3 n) {
 float ShareAbove(float seen, float most) { return most > 0.0 ? min(1.0, seen / most) : 0.0; }
 
 vec3 Shade(vec3 position, vec3 face_normal, vec3 n) {
-  vec3 sum = ambient;
+  vec3 sum = drawn_lights < 0 ? ambient : vec3(0.0);
   uint next = first_candidate;
   for (int i = 0; i < light_count; ++i) {
     int best = 0;
@@ -137,6 +138,8 @@ vec3 Shade(vec3 position, vec3 face_normal, vec3 n) {
         chosen = candidates[next].y;
       }
     }
+    if (drawn_lights >= 0 && i != drawn_lights) continue;
+    if (drawn_lights == kLightsWithoutVolumes && HasVolumes(i)) continue;
     float share = 1.0, value;
     if (FindInPicture(i, position_at_center, position_inside, value)) {
       share = HasShares(i) ? ShareAbove(value, LightAbovePlane(lights[i], position, face_normal))
@@ -196,7 +199,8 @@ gl::ProgramSource SurfaceProgram(const std::string& shadow_words_glsl) {
                                    VisibilityGlsl(kCountsBinding), FaceGlsl(),
                                    absl::Substitute(kSurfaceGlsl, kLightsBinding, kReceiversBinding,
                                                     kCandidatesBinding, kMaskUnit, kIsTheReceiver,
-                                                    kIsPartOfIt, kIsTheReceiver | kIsPartOfIt))};
+                                                    kIsPartOfIt, kIsTheReceiver | kIsPartOfIt)),
+          .constants = gl::GlslConstant("kLightsWithoutVolumes", kLightsWithoutVolumes)};
 }
 
 gl::ProgramSource GlowProgram() {

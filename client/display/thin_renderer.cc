@@ -1,21 +1,20 @@
 #include "client/display/thin_renderer.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "client/display/count_pool.h"
+#include "client/display/cover_sheet.h"
 #include "client/display/draw_list.h"
-#include "client/display/gpu_mesh.h"
 #include "client/display/picture_tile.h"
-#include "client/display/surface_glsl.h"
+#include "client/display/surface_painter.h"
+#include "client/display/volume_shadows.h"
 #include "client/display/word_pool.h"
-#include "render/gl/draw.h"
 #include "render/gl/framebuffer.h"
-#include "render/gl/program.h"
 #include "render/scene/field_error.h"
 #include "render/scene/unoccluded_light.h"
 
@@ -39,30 +38,20 @@ absl::Status CheckOptions(const RenderOptions& options) {
   for (const auto& status :
        {CheckRange("width", options.width, kMaxPictureSide),
         CheckRange("height", options.height, kMaxPictureSide),
-        CheckRange("samples_per_side", options.samples_per_side, kMaxSamplesPerSide)}) {
+        CheckRange("samples_per_side", options.samples_per_side, kMaxSamplesPerSide),
+        CheckRange("volume_look.passes", options.volume_look.passes, kMaxVolumePasses)}) {
     if (!status.ok()) return status;
   }
   if (!IsFinite(options.ambient)) {
     return FieldError(absl::StatusCode::kInvalidArgument, "NON_FINITE", "ambient",
                       "need finite numbers");
   }
+  const float opacity = options.volume_look.opacity;
+  if (!(opacity >= 0 && opacity <= 1)) {
+    return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "volume_look.opacity",
+                      absl::StrCat("found ", opacity, ", need 0 to 1"));
+  }
   return absl::OkStatus();
-}
-
-DMat4 Matrix(const Affine& m) {
-  return DMat4(DVec4(m[0], 0), DVec4(m[1], 0), DVec4(m[2], 0), DVec4(m[3], 1));
-}
-
-// Takes normals along: the cofactors, which unlike the inverse exist for every map. Scaled, because
-// only directions matter and products of large scales would overflow.
-Mat4 NormalMatrix(const Affine& m) {
-  const DVec3 x(m[0]), y(m[1]), z(m[2]);
-  DVec3 columns[3] = {glm::cross(y, z), glm::cross(z, x), glm::cross(x, y)};
-  double largest = 0;
-  for (const DVec3& c : columns) largest = std::max(largest, glm::length(c));
-  const double scale = largest > 0 ? 1 / largest : 0;
-  return Mat4(Vec4(Vec3(scale * columns[0]), 0), Vec4(Vec3(scale * columns[1]), 0),
-              Vec4(Vec3(scale * columns[2]), 0), Vec4(0, 0, 0, 1));
 }
 
 template <typename T>
@@ -74,75 +63,83 @@ absl::StatusOr<gl::Buffer> Upload(gl::Context& context, const std::vector<T>& va
 
 class ThinRenderer::Impl {
  public:
-  explicit Impl(gl::ProgramSource surface) : surface_source_(std::move(surface)) {}
+  explicit Impl(gl::ProgramSource surface) : painter_(std::move(surface)) {}
 
   absl::Status Bind(gl::Context& context);
   absl::StatusOr<Picture> Render(gl::Context& context, const Scene& scene,
                                  std::span<const std::shared_ptr<const Artifact>> artifacts,
                                  const Camera& camera, const RenderOptions& options);
   Uploads uploads() const {
-    return {meshes_.upload_count(), masks_.upload_count(),
-            counts_.upload_count() + words_.upload_count()};
+    return {painter_.mesh_upload_count(), painter_.mask_upload_count(),
+            counts_.upload_count() + words_.upload_count() + volumes_.upload_count()};
   }
 
  private:
+  // What all tiles of a picture have in common.
   struct Frame {
-    gl::Buffer lights, receivers, candidates;
+    const DrawList& list;
+    const RenderOptions& options;
+    DMat4 clip_from_world;
+    gl::Buffer lights{}, receivers{}, candidates{};
   };
 
-  absl::StatusOr<Frame> Prepare(gl::Context& context, const DrawList& list, const Camera& camera);
-  void SetFrame(gl::Context& context, const DrawList& list, const Camera& camera,
-                const RenderOptions& options);
-  absl::Status DrawItemOn(gl::Context& context, const DrawItem& item, const DMat4& clip_from_world);
-  absl::Status RenderTile(gl::Context& context, const DrawList& list, const DMat4& tile_from_world,
-                          const PictureTile& tile, int samples_per_side, Picture& picture);
+  absl::Status Prepare(gl::Context& context, const Camera& camera, Frame& frame);
+  absl::Status RenderTile(gl::Context& context, const Frame& frame, const PictureTile& tile,
+                          Picture& picture);
+  absl::Status DrawItems(gl::Context& context, const Frame& frame, const SurfacePass& pass);
+  absl::Status ShadeByVolumes(gl::Context& context, const Frame& frame, const DMat4& tile_from_clip,
+                              uint32_t light);
   absl::Status EnsureTarget(gl::Context& context, int side);
 
-  const gl::ProgramSource surface_source_;
   uint64_t context_serial_ = 0;
-  std::optional<gl::Program> surface_, glow_;
   std::optional<gl::Framebuffer> target_;
-  UploadCache<GpuMesh> meshes_;
-  UploadCache<gl::Texture> masks_;
+  std::optional<CoverSheet> sheet_;
+  SurfacePainter painter_;
   CountPool counts_;
   WordPool words_;
+  VolumeShadows volumes_;
 };
 
 // Starts anew when the context is another one than before.
 absl::Status ThinRenderer::Impl::Bind(gl::Context& context) {
   if (absl::Status status = context.Check("the thin renderer"); !status.ok()) return status;
   if (context_serial_ == context.serial()) return absl::OkStatus();
-  meshes_.Clear();
-  masks_.Clear();
   counts_.Clear();
   words_.Clear();
+  volumes_.Clear();
   target_.reset();
-  auto surface = gl::Program::Create(context, surface_source_);
-  if (!surface.ok()) return surface.status();
-  auto glow = gl::Program::Create(context, GlowProgram());
-  if (!glow.ok()) return glow.status();
-  surface_ = *std::move(surface);
-  glow_ = *std::move(glow);
+  sheet_.reset();
+  if (absl::Status status = painter_.Bind(context); !status.ok()) return status;
+  auto sheet = CoverSheet::Create(context);
+  if (!sheet.ok()) return sheet.status();
+  sheet_ = *std::move(sheet);
   context_serial_ = context.serial();
   return absl::OkStatus();
 }
 
+// With a stencil, once something needs one.
 absl::Status ThinRenderer::Impl::EnsureTarget(gl::Context& context, int side) {
   const int samples = std::min(kEdgeSamples, context.info().max_samples);
-  if (target_ && target_->options().width == side) return absl::OkStatus();
+  const bool has_stencil = !volumes_.lights().empty();
+  if (target_ && target_->options().width == side &&
+      (target_->options().has_stencil || !has_stencil)) {
+    return absl::OkStatus();
+  }
   target_.reset();
-  auto target =
-      gl::Framebuffer::Create(context, {.width = side, .height = side, .samples = samples});
+  auto target = gl::Framebuffer::Create(
+      context, {.width = side, .height = side, .samples = samples, .has_stencil = has_stencil});
   if (!target.ok()) return target.status();
   target_ = *std::move(target);
   return absl::OkStatus();
 }
 
-absl::StatusOr<ThinRenderer::Impl::Frame> ThinRenderer::Impl::Prepare(gl::Context& context,
-                                                                      const DrawList& list,
-                                                                      const Camera& camera) {
+absl::Status ThinRenderer::Impl::Prepare(gl::Context& context, const Camera& camera, Frame& frame) {
+  const DrawList& list = frame.list;
+  if (absl::Status status = volumes_.Update(context, list, camera); !status.ok()) return status;
   if (absl::Status status = counts_.Update(context, list); !status.ok()) return status;
-  if (absl::Status status = words_.Update(context, list, camera); !status.ok()) return status;
+  if (absl::Status status = words_.Update(context, list, camera, volumes_.lights()); !status.ok()) {
+    return status;
+  }
   auto lights = Upload(context, list.lights);
   auto receivers = Upload(context, list.receivers);
   auto candidates = Upload(context, list.candidates);
@@ -154,70 +151,82 @@ absl::StatusOr<ThinRenderer::Impl::Frame> ThinRenderer::Impl::Prepare(gl::Contex
   candidates->BindStorage(context, kCandidatesBinding);
   counts_.buffer().BindStorage(context, kCountsBinding);
   words_.Bind(context);
-  return Frame{*std::move(lights), *std::move(receivers), *std::move(candidates)};
+  frame.lights = *std::move(lights);
+  frame.receivers = *std::move(receivers);
+  frame.candidates = *std::move(candidates);
+  // What is added up light by light is cut once it is all there.
+  const bool adds_up = !volumes_.lights().empty();
+  painter_.SetFrame(context, list, camera,
+                    {.ambient = frame.options.ambient,
+                     .clip_radiance = adds_up ? std::numeric_limits<float>::infinity()
+                                              : frame.options.clip_radiance,
+                     .culls_back_faces = frame.options.culls_back_faces});
+  return volumes_.Aim(context, frame.clip_from_world, frame.options.volume_look.passes);
 }
 
-void ThinRenderer::Impl::SetFrame(gl::Context& context, const DrawList& list, const Camera& camera,
-                                  const RenderOptions& options) {
-  for (gl::Program* program : {&*surface_, &*glow_}) {
-    program->Set(context, "eye", camera.eye);
-    program->Set(context, "clip_radiance", options.clip_radiance);
+// Those in sight. A pass of one light draws over surfaces that are there, so that nothing glows, and
+// where nothing is received all of it arrives.
+absl::Status ThinRenderer::Impl::DrawItems(gl::Context& context, const Frame& frame,
+                                           const SurfacePass& pass) {
+  const bool is_one_light = pass.lights >= 0;
+  for (const DrawItem& item : frame.list.items) {
+    if (is_one_light && item.glows) continue;
+    if (IsOutside(pass.clip_from_world, item.bounds)) continue;
+    SurfacePass own = pass;
+    if (is_one_light && !item.receives) own.combine = gl::Combine::kAddColor;
+    if (absl::Status status = painter_.Draw(context, item, own); !status.ok()) return status;
   }
-  surface_->Set(context, "ambient", options.ambient);
-  surface_->Set(context, "culls_back_faces", options.culls_back_faces ? 1 : 0);
-  surface_->Set(context, "light_count", static_cast<int>(list.lights.size()));
-}
-
-absl::Status ThinRenderer::Impl::DrawItemOn(gl::Context& context, const DrawItem& item,
-                                            const DMat4& clip_from_world) {
-  auto mesh = meshes_.Find(*item.mesh, [&](const Mesh& m) { return GpuMesh::Create(context, m); });
-  if (!mesh.ok()) return mesh.status();
-  gl::Program& program = item.glows ? *glow_ : *surface_;
-  const DMat4 world_from_mesh = Matrix(item.world_from_mesh);
-  program.Set(context, "clip_from_mesh", Mat4(clip_from_world * world_from_mesh));
-  program.Set(context, "world_from_mesh", Mat4(world_from_mesh));
-  program.Set(context, "world_from_mesh_normal", NormalMatrix(item.world_from_mesh));
-  program.Set(context, "depth_scale", item.depth_scale);
-  program.Set(context, "has_face_normals", (*mesh)->has_face_normals ? 1 : 0);
-  if (item.glows) {
-    program.Set(context, "radiance", item.color);
-    program.Set(context, "two_sided", item.two_sided ? 1 : 0);
-  } else {
-    program.Set(context, "color", item.color);
-    program.Set(context, "has_vertex_normals", (*mesh)->has_normals ? 1 : 0);
-    program.Set(context, "alpha_cutoff", item.alpha_cutoff);
-    program.Set(context, "has_mask", item.alpha_mask != nullptr ? 1 : 0);
-    program.Set(context, "receives", item.receives ? 1 : 0);
-    program.Set(context, "first_candidate", item.first_candidate);
-    program.Set(context, "end_candidate", item.end_candidate);
-  }
-  if (item.alpha_mask != nullptr) {
-    auto mask = masks_.Find(*item.alpha_mask,
-                            [&](const AlphaMask& m) { return CreateMaskTexture(context, m); });
-    if (!mask.ok()) return mask.status();
-    (*mask)->Bind(context, kMaskUnit);
-  }
-  (*mesh)->face_normals.BindStorage(context, kFaceNormalsBinding);
-  gl::Draw(context, {.program = program,
-                     .vertices = (*mesh)->vertices,
-                     .target = *target_,
-                     .count = (*mesh)->index_count});
   return absl::OkStatus();
 }
 
-absl::Status ThinRenderer::Impl::RenderTile(gl::Context& context, const DrawList& list,
-                                            const DMat4& tile_from_world, const PictureTile& tile,
-                                            int samples_per_side, Picture& picture) {
+// Alpha, which is 1 on all surfaces, is what part of the passes finds them lit, until it is 1 again.
+absl::Status ThinRenderer::Impl::ShadeByVolumes(gl::Context& context, const Frame& frame,
+                                                const DMat4& tile_from_clip, uint32_t light) {
+  const VolumeLook& look = frame.options.volume_look;
+  const float opacity = look.shading == VolumeShading::kComposited ? look.opacity : 1.0f;
+  const Vec4 taken(0, 0, 0, opacity / static_cast<float>(look.passes));
+  for (int pass = 0; pass < look.passes; ++pass) {
+    volumes_.Mark(context, *target_, tile_from_clip, light, pass);
+    sheet_->Draw(context, *target_, taken,
+                 {.combine = gl::Combine::kTakeFromAlpha, .stencil = gl::Stencil::kWhereIsSet});
+  }
+  const Vec4 whole(0, 0, 0, 1);
+  if (look.shading != VolumeShading::kAmbient) {
+    sheet_->Draw(context, *target_, whole, {.combine = gl::Combine::kMultiplyByAlpha});
+    return absl::OkStatus();
+  }
+  const absl::Status status = DrawItems(context, frame,
+                                        {.clip_from_world = tile_from_clip * frame.clip_from_world,
+                                         .target = *target_,
+                                         .lights = static_cast<int>(light),
+                                         .depth_test = gl::DepthTest::kEqual,
+                                         .combine = gl::Combine::kAddColorTimesAlpha});
+  sheet_->Draw(context, *target_, whole, {.combine = gl::Combine::kReplaceAlpha});
+  return status;
+}
+
+absl::Status ThinRenderer::Impl::RenderTile(gl::Context& context, const Frame& frame,
+                                            const PictureTile& tile, Picture& picture) {
+  const RenderOptions& options = frame.options;
+  const DMat4 tile_from_clip = TileFromClip(tile, options.width, options.height);
+  const bool adds = options.volume_look.shading == VolumeShading::kAmbient;
   target_->Clear(context, Vec4(0));
-  for (const DrawItem& item : list.items) {
-    if (IsOutside(tile_from_world, item.bounds)) continue;
-    if (absl::Status status = DrawItemOn(context, item, tile_from_world); !status.ok()) {
-      return status;
-    }
+  absl::Status status = DrawItems(context, frame,
+                                  {.clip_from_world = tile_from_clip * frame.clip_from_world,
+                                   .target = *target_,
+                                   .lights = adds ? kLightsWithoutVolumes : kEveryLight});
+  for (const uint32_t light : volumes_.lights()) {
+    if (!status.ok()) return status;
+    status = ShadeByVolumes(context, frame, tile_from_clip, light);
+  }
+  if (!status.ok()) return status;
+  if (!volumes_.lights().empty()) {
+    const Vec4 most(Vec3(options.clip_radiance), 1);
+    sheet_->Draw(context, *target_, most, {.combine = gl::Combine::kLess});
   }
   const auto samples = target_->ReadPixels(context);
   if (!samples.ok()) return samples.status();
-  ResolveTile(*samples, samples_per_side, tile, picture);
+  ResolveTile(*samples, options.samples_per_side, tile, picture);
   return absl::OkStatus();
 }
 
@@ -226,14 +235,12 @@ absl::StatusOr<Picture> ThinRenderer::Impl::Render(
     std::span<const std::shared_ptr<const Artifact>> artifacts, const Camera& camera,
     const RenderOptions& options) {
   const DrawList list = BuildDrawList(scene, artifacts, options.draws_lights);
-  const auto frame = Prepare(context, list, camera);
-  if (!frame.ok()) return frame.status();
-  SetFrame(context, list, camera, options);
+  const double aspect = static_cast<double>(options.width) / options.height;
+  Frame frame{.list = list, .options = options, .clip_from_world = ClipFromWorld(camera, aspect)};
+  if (absl::Status status = Prepare(context, camera, frame); !status.ok()) return status;
   const int n = options.samples_per_side;
   const int side = std::min(kTileSide / n, std::max(options.width, options.height));  // pixels
   if (absl::Status status = EnsureTarget(context, side * n); !status.ok()) return status;
-  const double aspect = static_cast<double>(options.width) / options.height;
-  const DMat4 clip_from_world = ClipFromWorld(camera, aspect);
 
   Picture picture = {.width = options.width, .height = options.height, .pixels = {}};
   picture.pixels.resize(static_cast<size_t>(options.width) * options.height);
@@ -244,14 +251,11 @@ absl::StatusOr<Picture> ThinRenderer::Impl::Render(
                                 .width = std::min(side, options.width - x),
                                 .height = std::min(side, options.height - y),
                                 .side = side};
-      const DMat4 tile_from_world =
-          TileFromClip(tile, options.width, options.height) * clip_from_world;
-      const absl::Status status = RenderTile(context, list, tile_from_world, tile, n, picture);
+      const absl::Status status = RenderTile(context, frame, tile, picture);
       if (!status.ok()) return status;
     }
   }
-  meshes_.EndFrame();
-  masks_.EndFrame();
+  painter_.EndFrame();
   return picture;
 }
 

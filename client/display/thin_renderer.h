@@ -16,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "client/display/picture.h"
 #include "client/display/surface_glsl.h"
+#include "client/display/volume_look.h"
 #include "render/artifact/artifact.h"
 #include "render/gl/context.h"
 #include "render/scene/camera.h"
@@ -32,6 +33,7 @@ struct RenderOptions {
   // Radiance is cut to this before samples are averaged. For a screen take 1 / exposure, which
   // keeps the edges of bright lights smooth.
   float clip_radiance = std::numeric_limits<float>::infinity();
+  VolumeLook volume_look;
   bool culls_back_faces = false;  // leave out faces that turn away, to look into a closed room
 };
 

@@ -44,13 +44,16 @@ WordPool::Chosen WordPool::Choose(const DrawList& list, const Camera& camera) {
   return chosen;
 }
 
-absl::Status WordPool::Update(gl::Context& context, const DrawList& list, const Camera& camera) {
+absl::Status WordPool::Update(gl::Context& context, const DrawList& list, const Camera& camera,
+                              const std::vector<uint32_t>& with_volumes) {
   Chosen now = Choose(list, camera);
-  if (shadows_.size() > 0 && now == uploaded_ && list.lights.size() == light_count_) {
+  if (shadows_.size() > 0 && now == uploaded_ && list.lights.size() == light_count_ &&
+      with_volumes == with_volumes_) {
     return absl::OkStatus();
   }
   ShadowWords words;
   std::vector<LightShadow> shadows(list.lights.size());
+  for (const uint32_t light : with_volumes) shadows[light].has_volumes = 1;
   for (const auto& [light, artifact] : now) {
     if (const auto* ldi = std::get_if<AttenuationLdi>(&artifact->payload)) {
       words.Append(*ldi, shadows[light]);
@@ -64,6 +67,7 @@ absl::Status WordPool::Update(gl::Context& context, const DrawList& list, const 
     return status;
   }
   light_count_ = list.lights.size();
+  with_volumes_ = with_volumes;
   upload_count_ += static_cast<int64_t>(now.size());
   uploaded_ = std::move(now);
   return absl::OkStatus();

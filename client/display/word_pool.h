@@ -18,11 +18,19 @@ namespace penumbra {
 
 class WordPool {
  public:
-  // Uploads what `list` has of any surface, unless it is what was uploaded last: of each light the
-  // last layered attenuation map, and the last picture that is `camera`'s.
+  // Artifacts with their lights.
+  using Chosen = std::vector<std::pair<uint32_t, std::shared_ptr<const Artifact>>>;
+
+  // What `list` has of any surface, for a shader: of each light the last layered attenuation map,
+  // the last shadow-width map, and the last picture that is `camera`'s.
+  static Chosen Choose(const DrawList& list, const Camera& camera);
+
+  // Uploads those, unless it is what was uploaded last.
   //
-  // Errors  kResourceExhausted: more than one storage block holds, or no GPU memory
-  absl::Status Update(gl::Context& context, const DrawList& list, const Camera& camera);
+  // with_volumes  lights whose shadow volumes are drawn
+  // Errors        kResourceExhausted: more than one storage block holds, or no GPU memory
+  absl::Status Update(gl::Context& context, const DrawList& list, const Camera& camera,
+                      const std::vector<uint32_t>& with_volumes);
 
   // As shadow_words_glsl.h wants it, at the bindings of surface_glsl.h.
   void Bind(gl::Context& context) const;
@@ -31,13 +39,11 @@ class WordPool {
   void Clear();
 
  private:
-  using Chosen = std::vector<std::pair<uint32_t, std::shared_ptr<const Artifact>>>;
-
-  static Chosen Choose(const DrawList& list, const Camera& camera);
   absl::Status Upload(gl::Context& context, ShadowWords words, std::vector<LightShadow> shadows);
 
   gl::Buffer shadows_, faces_, words_;
   size_t light_count_ = 0;
+  std::vector<uint32_t> with_volumes_;
   Chosen uploaded_;  // held, so that their addresses stay their own
   int64_t upload_count_ = 0;
 };

@@ -34,10 +34,19 @@ absl::Status ArtifactAssembler::Begin(const v1::ArtifactUpdate& message) {
   next_ = std::make_shared<Artifact>(*std::move(artifact));
   const bool starts_from_nothing = message.base_sequence() == 0 || !artifact_;
   BeginPayload(starts_from_nothing ? nullptr : artifact_.get());
+  if (HasVolumes()) {
+    const auto status = volumes_.Begin(message.header().shadow_volume_mesh(), starts_from_nothing);
+    if (!status.ok()) return status;
+  }
   return BeginSamples(message, starts_from_nothing);
 }
 
+bool ArtifactAssembler::HasVolumes() const {
+  return next_ != nullptr && std::holds_alternative<ShadowVolumeMesh>(next_->payload);
+}
+
 void ArtifactAssembler::BeginPayload(const Artifact* before) {
+  if (HasVolumes()) return;
   if (ShadowTexels* texels = TexelsOf(next_->payload)) {
     texels_.Begin(before ? TexelsOf(before->payload) : nullptr, *texels);
     return;
@@ -83,7 +92,13 @@ absl::Status ArtifactAssembler::AddParts(const v1::ArtifactUpdate& message) {
   if (message.width_tiles_size() > 0 && !next_widths_) {
     return Incomplete("found widths, need a header that has some before them");
   }
+  if (message.volume_parts_size() > 0 && !HasVolumes()) {
+    return Incomplete("found parts of volumes, need a header that has some before them");
+  }
   if (texels) return texels_.Add(message, *texels);
+  for (const auto& part : message.volume_parts()) {
+    if (auto status = volumes_.Add(part); !status.ok()) return status;
+  }
   for (const auto& tile : message.width_tiles()) {
     absl::Status status = next_widths_->Add(tile, std::get<ShadowWidthMap>(next_->payload));
     if (!status.ok()) return status;
@@ -95,6 +110,9 @@ absl::Status ArtifactAssembler::AddParts(const v1::ArtifactUpdate& message) {
 }
 
 absl::Status ArtifactAssembler::FinishPayload() {
+  if (auto* const mesh = std::get_if<ShadowVolumeMesh>(&next_->payload)) {
+    return volumes_.Finish(*mesh);
+  }
   if (!next_ldi_ && !next_widths_) return texels_.Finish();
   const size_t missing = next_ldi_ ? next_ldi_->missing_count() : next_widths_->missing_count();
   if (missing > 0) {

@@ -9,6 +9,7 @@
 #include "proto/convert/ldi_convert.h"
 #include "proto/convert/light_convert.h"
 #include "proto/convert/points_convert.h"
+#include "proto/convert/volume_convert.h"
 #include "proto/convert/width_convert.h"
 #include "render/scene/field_error.h"
 
@@ -68,6 +69,10 @@ void Write(const AttenuationLdi& ldi, v1::ArtifactHeader& proto) {
 
 void Write(const ShadowWidthMap& map, v1::ArtifactHeader& proto) {
   *proto.mutable_shadow_width_map() = penumbra::ToProto(map);
+}
+
+void Write(const ShadowVolumeMesh& mesh, v1::ArtifactHeader& proto) {
+  *proto.mutable_shadow_volume_mesh() = penumbra::ToProto(mesh);
 }
 
 void Write(const ViewShadow& shadow, v1::ArtifactHeader& proto) {
@@ -199,6 +204,8 @@ absl::StatusOr<ArtifactPayload> ReadPayload(const v1::ArtifactHeader& proto,
       return PayloadOf(Read(proto.view_shadow(), limits));
     case v1::ArtifactHeader::kShadowWidthMap:
       return PayloadOf(FromProto(proto.shadow_width_map(), limits));
+    case v1::ArtifactHeader::kShadowVolumeMesh:
+      return PayloadOf(FromProto(proto.shadow_volume_mesh()));
     case v1::ArtifactHeader::KIND_NOT_SET:
       break;
   }

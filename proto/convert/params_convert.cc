@@ -64,6 +64,18 @@ void Write(const ShadowWidthParams& params, v1::ArtifactSpec& proto) {
   parameters.set_source(static_cast<v1::DepthSource>(static_cast<int>(params.source) + 1));
 }
 
+void Write(const ShadowVolumeParams& params, v1::ArtifactSpec& proto) {
+  auto& parameters = *proto.mutable_shadow_volume();
+  parameters.set_resolution(params.resolution);
+  parameters.set_bias(params.bias);
+  parameters.set_low_threshold(params.low_threshold);
+  parameters.set_high_threshold(params.high_threshold);
+  parameters.set_surface(static_cast<v1::VolumeSurface>(static_cast<int>(params.surface) + 1));
+  parameters.set_volumes_of(static_cast<v1::VolumesOf>(static_cast<int>(params.volumes_of) + 1));
+  parameters.set_object_ids(params.object_ids);
+  parameters.set_source(static_cast<v1::DepthSource>(static_cast<int>(params.source) + 1));
+}
+
 namespace {
 
 // The value that `number` stands for, which the protocol counts from 1; `value` stays as it is for
@@ -159,11 +171,28 @@ absl::StatusOr<TechniqueParams> Read(const v1::ShadowWidthParameters& proto) {
   return params;
 }
 
+absl::StatusOr<TechniqueParams> Read(const v1::ShadowVolumeParameters& proto) {
+  ShadowVolumeParams params;
+  if (proto.has_resolution()) params.resolution = proto.resolution();
+  if (proto.has_bias()) params.bias = proto.bias();
+  params.low_threshold = proto.low_threshold();
+  params.high_threshold = proto.high_threshold();
+  params.object_ids = proto.object_ids();
+  absl::Status status = ReadEnum(proto.surface(), kVolumeSurfaceNames.size(),
+                                 "spec.shadow_volume.surface", params.surface);
+  status.Update(ReadEnum(proto.volumes_of(), kVolumesOfNames.size(),
+                         "spec.shadow_volume.volumes_of", params.volumes_of));
+  status.Update(ReadEnum(proto.source(), kDepthMethodNames.size(), "spec.shadow_volume.source",
+                         params.source));
+  if (!status.ok()) return status;
+  return params;
+}
+
 }  // namespace
 
 absl::StatusOr<TechniqueParams> ReadParams(const v1::ArtifactSpec& proto) {
   // Every technique of the list needs a case below; the count makes a new one fail here.
-  static_assert(std::variant_size_v<TechniqueParams> == 4);
+  static_assert(std::variant_size_v<TechniqueParams> == 5);
   switch (proto.technique_case()) {
     case v1::ArtifactSpec::kSoftTexture:
       return Read(proto.soft_texture());
@@ -173,6 +202,8 @@ absl::StatusOr<TechniqueParams> ReadParams(const v1::ArtifactSpec& proto) {
       return Read(proto.coherent_raytrace());
     case v1::ArtifactSpec::kShadowWidth:
       return Read(proto.shadow_width());
+    case v1::ArtifactSpec::kShadowVolume:
+      return Read(proto.shadow_volume());
     case v1::ArtifactSpec::TECHNIQUE_NOT_SET:
       break;
   }

@@ -12,6 +12,7 @@ void Write(const SoftTextureParams& params, v1::ArtifactSpec& proto);
 void Write(const LayeredAttenuationParams& params, v1::ArtifactSpec& proto);
 void Write(const CoherentRaytraceParams& params, v1::ArtifactSpec& proto);
 void Write(const ShadowWidthParams& params, v1::ArtifactSpec& proto);
+void Write(const ShadowVolumeParams& params, v1::ArtifactSpec& proto);
 
 // Parameters are taken as they are: the technique checks them.
 //

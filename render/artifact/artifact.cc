@@ -50,6 +50,10 @@ float VisibilityAt(const ShadowWidthMap& map, Vec3 point, Vec3 normal) {
   return Visibility(map, point, normal);
 }
 
+float VisibilityAt(const ShadowVolumeMesh& mesh, Vec3 point, Vec3 normal) {
+  return Visibility(mesh, point, normal);
+}
+
 float VisibilityAt(const ViewShadow& shadow, Vec3 point, Vec3 /*normal*/) {
   const auto texel = TexelAt(shadow, point);
   return texel ? shadow.visibility.Fraction(texel->i, texel->j) : 0.0f;
@@ -66,6 +70,8 @@ bool CoversAt(const SoftShadowTexture& texture, Vec3 point) {
 bool CoversAt(const AttenuationLdi& /*ldi*/, Vec3 /*point*/) { return true; }
 
 bool CoversAt(const ShadowWidthMap& /*map*/, Vec3 /*point*/) { return true; }
+
+bool CoversAt(const ShadowVolumeMesh& /*mesh*/, Vec3 /*point*/) { return true; }
 
 bool CoversAt(const ViewShadow& shadow, Vec3 point) {
   const auto texel = TexelAt(shadow, point);

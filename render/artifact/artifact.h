@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/artifact/attenuation_ldi.h"
+#include "render/artifact/shadow_volume_mesh.h"
 #include "render/artifact/shadow_width_map.h"
 #include "render/artifact/soft_shadow_texture.h"
 #include "render/artifact/view_shadow.h"
@@ -37,7 +38,8 @@ struct ArtifactHeader {
 };
 
 // One alternative for each kind of artifact.
-using ArtifactPayload = std::variant<SoftShadowTexture, AttenuationLdi, ViewShadow, ShadowWidthMap>;
+using ArtifactPayload =
+    std::variant<SoftShadowTexture, AttenuationLdi, ViewShadow, ShadowWidthMap, ShadowVolumeMesh>;
 
 struct Artifact {
   ArtifactHeader header;

@@ -74,4 +74,11 @@ LightExtent::Interval LightExtent::Height(DVec3 point, DVec3 normal) const {
   return {middle - half, middle + half};
 }
 
+LightSample MiddleOf(const AreaLight& light) {
+  if (const auto* sun = std::get_if<DistantLight>(&light.shape)) {
+    return {.point = glm::normalize(sun->to_light), .at_infinity = true};
+  }
+  return {.point = Vec3(LightExtent(light).center())};
+}
+
 }  // namespace penumbra

@@ -9,6 +9,7 @@
 
 #include "render/math/vec.h"
 #include "render/scene/area_light.h"
+#include "render/scene/light_sample.h"
 
 namespace penumbra {
 
@@ -43,5 +44,8 @@ class LightExtent {
   std::optional<Plane> plane_;
   bool is_at_infinity_ = false;
 };
+
+// The light's middle as its only sample.
+LightSample MiddleOf(const AreaLight& light);
 
 }  // namespace penumbra

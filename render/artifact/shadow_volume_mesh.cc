@@ -18,27 +18,27 @@ bool Blocks(const std::array<DVec3, 3>& corners, DVec3 to_light, bool is_far) {
   const double ab = Side(to_light, corners[0], corners[1]);
   const double bc = Side(to_light, corners[1], corners[2]);
   const double ca = Side(to_light, corners[2], corners[0]);
-  const bool in_front = ab > 0 && bc > 0 && ca > 0, behind = ab < 0 && bc < 0 && ca < 0;
-  if (!in_front && !behind) return false;
+  // What meets an edge meets both its triangles, so that nothing slips through between.
+  const bool in_front = ab >= 0 && bc >= 0 && ca >= 0, behind = ab <= 0 && bc <= 0 && ca <= 0;
+  if (in_front == behind) return false;
   const DVec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
   const double t = glm::dot(normal, corners[0]) / glm::dot(normal, to_light);
   return t > 0 && (is_far || t < 1);
 }
 
-int SurfacesBefore(const ShadowVolume& volume, const AreaLight& light, DVec3 point) {
+bool IsBehindCaster(const ShadowVolume& volume, const AreaLight& light, DVec3 point) {
   const auto* distant = std::get_if<DistantLight>(&light.shape);
   const bool is_far = distant != nullptr;
   const DVec3 to_light = is_far ? DVec3(distant->to_light) : LightExtent(light).center() - point;
-  int count = 0;
   for (size_t i = 0; i + 2 < volume.caster_indices.size(); i += 3) {
     std::array<DVec3, 3> corners;
     for (size_t k = 0; k < 3; ++k) {
       const Vec4 v = volume.vertices[volume.caster_indices[i + k]];
       corners[k] = DVec3(v) / double{v.w} - point;
     }
-    count += Blocks(corners, to_light, is_far);
+    if (Blocks(corners, to_light, is_far)) return true;
   }
-  return count;
+  return false;
 }
 
 // Whether the first of the faces that covers the point has something before it.
@@ -54,29 +54,40 @@ bool IsBehind(const std::vector<VolumeGrid>& grids, DVec3 point) {
 
 }  // namespace
 
+size_t ShadowVolume::sample_count() const {
+  size_t count = 0;
+  for (const VolumeFace& face : faces) count += face.map.depths.size();
+  return count;
+}
+
 size_t ShadowVolume::bytes() const {
-  size_t bytes = vertices.size() * sizeof(Vec4) + weights.size() +
-                 (indices.size() + caster_indices.size()) * sizeof(uint32_t);
-  for (const VolumeFace& face : faces) bytes += face.map.depths.size() * sizeof(float);
-  return bytes;
+  return vertices.size() * sizeof(Vec4) + weights.size() +
+         (indices.size() + caster_indices.size()) * sizeof(uint32_t) +
+         sample_count() * sizeof(float);
 }
 
 size_t ShadowVolumeMesh::triangle_count() const {
   size_t count = 0;
-  for (const ShadowVolume& volume : volumes) count += volume.triangle_count();
+  for (const auto& volume : volumes) count += volume->triangle_count();
+  return count;
+}
+
+size_t ShadowVolumeMesh::sample_count() const {
+  size_t count = 0;
+  for (const auto& volume : volumes) count += volume->sample_count();
   return count;
 }
 
 size_t ShadowVolumeMesh::bytes() const {
   size_t bytes = 0;
-  for (const ShadowVolume& volume : volumes) bytes += volume.bytes();
+  for (const auto& volume : volumes) bytes += volume->bytes();
   return bytes;
 }
 
 VolumeLookup::VolumeLookup(const ShadowVolumeMesh& mesh) : mesh_(mesh) {
-  for (const ShadowVolume& volume : mesh.volumes) {
-    Surfaces surfaces{.volume = &volume, .grids = {}};
-    for (const VolumeFace& face : volume.faces) {
+  for (const auto& volume : mesh.volumes) {
+    Surfaces surfaces{.volume = volume.get(), .grids = {}};
+    for (const VolumeFace& face : volume->faces) {
       surfaces.grids.emplace_back(face.map, face.border, mesh.bias_px);
     }
     surfaces_.push_back(std::move(surfaces));
@@ -87,7 +98,7 @@ int VolumeLookup::Depth(DVec3 point) const {
   int depth = 0;
   for (const Surfaces& surfaces : surfaces_) {
     depth += surfaces.volume->kind == VolumeKind::kObject
-                 ? SurfacesBefore(*surfaces.volume, mesh_.light, point) > 0
+                 ? IsBehindCaster(*surfaces.volume, mesh_.light, point)
                  : IsBehind(surfaces.grids, point);
   }
   return depth;

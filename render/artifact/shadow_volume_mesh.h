@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,7 @@ struct ShadowVolume {
   std::vector<uint32_t> caster_indices;
 
   size_t triangle_count() const { return indices.size() / 3; }
+  size_t sample_count() const;  // of all faces
   size_t bytes() const;
 };
 
@@ -59,13 +61,14 @@ struct ShadowVolumeMesh {
   AreaLight light;  // seen as its centre
   // How far behind the samples of a map the surface is, in pixels' widths.
   float bias_px = 0.25f;
-  // What lies in any of them is in shadow.
-  std::vector<ShadowVolume> volumes;
+  // What lies in any of them is in shadow. None is null; meshes share those that did not change.
+  std::vector<std::shared_ptr<const ShadowVolume>> volumes;
   // Of the places between two samples, the part where an edge was found: much more than 0.1 tells
   // of a scene finer than its map, or of thresholds too low.
   float edge_fraction = 0.0f;
 
   size_t triangle_count() const;
+  size_t sample_count() const;
   size_t bytes() const;
 };
 

@@ -17,11 +17,45 @@ void SetArea(const DrawCall& call) {
   }
 }
 
+// How colours are blended; without `blends` they replace what is there.
+struct Blending {
+  bool blends = true;
+  GLenum equation_rgb = GL_FUNC_ADD, equation_alpha = GL_FUNC_ADD;
+  GLenum source_rgb = GL_ONE, target_rgb = GL_ONE;
+  GLenum source_alpha = GL_ONE, target_alpha = GL_ONE;
+};
+
+Blending BlendingOf(Combine combine) {
+  switch (combine) {
+    case Combine::kReplace:
+    case Combine::kOr:
+      return {.blends = false};
+    case Combine::kAdd:
+      return {};
+    case Combine::kGreater:
+      return {.equation_rgb = GL_MAX, .equation_alpha = GL_MAX};
+    case Combine::kLess:
+      return {.equation_rgb = GL_MIN, .equation_alpha = GL_MIN};
+    case Combine::kAddColor:
+      return {.source_alpha = GL_ZERO};
+    case Combine::kAddColorTimesAlpha:
+      return {.source_rgb = GL_DST_ALPHA, .source_alpha = GL_ZERO};
+    case Combine::kTakeFromAlpha:
+      return {.equation_alpha = GL_FUNC_REVERSE_SUBTRACT, .source_rgb = GL_ZERO};
+    case Combine::kMultiplyByAlpha:
+      return {.source_rgb = GL_ZERO, .target_rgb = GL_DST_ALPHA, .target_alpha = GL_ZERO};
+    case Combine::kReplaceAlpha:
+      return {.source_rgb = GL_ZERO, .target_alpha = GL_ZERO};
+  }
+  return {.blends = false};
+}
+
 void SetCombine(Combine combine) {
-  if (combine == Combine::kAdd || combine == Combine::kGreater) {
+  if (const Blending blending = BlendingOf(combine); blending.blends) {
     glEnable(GL_BLEND);
-    glBlendEquation(combine == Combine::kAdd ? GL_FUNC_ADD : GL_MAX);
-    glBlendFunc(GL_ONE, GL_ONE);
+    glBlendEquationSeparate(blending.equation_rgb, blending.equation_alpha);
+    glBlendFuncSeparate(blending.source_rgb, blending.target_rgb, blending.source_alpha,
+                        blending.target_alpha);
   } else {
     glDisable(GL_BLEND);
   }
@@ -30,6 +64,44 @@ void SetCombine(Combine combine) {
     glLogicOp(GL_OR);
   } else {
     glDisable(GL_COLOR_LOGIC_OP);
+  }
+}
+
+void SetDepthTest(DepthTest test) {
+  if (test == DepthTest::kNone) {
+    glDisable(GL_DEPTH_TEST);
+    return;
+  }
+  glEnable(GL_DEPTH_TEST);
+  switch (test) {
+    case DepthTest::kNone:
+    case DepthTest::kNearer:
+      return glDepthFunc(GL_GREATER);
+    case DepthTest::kNearerOrEqual:
+      return glDepthFunc(GL_GEQUAL);
+    case DepthTest::kEqual:
+      return glDepthFunc(GL_EQUAL);
+    case DepthTest::kFarther:
+      return glDepthFunc(GL_LESS);
+  }
+}
+
+void SetStencil(Stencil stencil) {
+  if (stencil == Stencil::kNone) {
+    glDisable(GL_STENCIL_TEST);
+    return;
+  }
+  glEnable(GL_STENCIL_TEST);
+  glStencilFunc(stencil == Stencil::kWhereIsSet ? GL_NOTEQUAL : GL_ALWAYS, 0, 0xff);
+  glStencilMask(stencil == Stencil::kInvert ? 1 : 0xff);
+  if (stencil == Stencil::kCount) {
+    glFrontFace(GL_CCW);
+    glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
+    glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
+  } else {
+    const bool increments = stencil == Stencil::kIncrement;
+    const GLenum passed = increments ? GL_INCR_WRAP : GL_KEEP;
+    glStencilOp(GL_KEEP, GL_KEEP, stencil == Stencil::kInvert ? GL_INVERT : passed);
   }
 }
 
@@ -42,12 +114,8 @@ void Draw(Context& context, const DrawCall& call) {
   SetCombine(call.combine);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   glDisable(GL_CULL_FACE);
-  if (call.depth_test == DepthTest::kNone) {
-    glDisable(GL_DEPTH_TEST);
-  } else {
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(call.depth_test == DepthTest::kNearer ? GL_GREATER : GL_GEQUAL);
-  }
+  SetDepthTest(call.depth_test);
+  SetStencil(call.stencil);
   glDepthMask(call.writes_depth ? GL_TRUE : GL_FALSE);
   const GLboolean color = call.writes_color ? GL_TRUE : GL_FALSE;
   glColorMask(color, color, color, color);

@@ -14,11 +14,30 @@
 
 namespace penumbra::gl {
 
-enum class DepthTest { kNone, kNearer, kNearerOrEqual };
+enum class DepthTest { kNone, kNearer, kNearerOrEqual, kEqual, kFarther };
 
-// What becomes of the colour that is there: replaced, added to (floats), the greater of both kept
-// (floats), or united with bit by bit (whole numbers).
-enum class Combine { kReplace, kAdd, kGreater, kOr };
+// What becomes of the colour that is there.
+enum class Combine {
+  kReplace,
+  kAdd,                 // floats
+  kGreater,             // floats: the greater of both is kept, component by component
+  kLess,                // likewise the less
+  kOr,                  // whole numbers, bit by bit
+  kAddColor,            // floats: RGB is added to, A left
+  kAddColorTimesAlpha,  // RGB is added to by what is drawn times the A that is there, which is left
+  kTakeFromAlpha,       // what is drawn is taken from A; RGB is left
+  kMultiplyByAlpha,     // RGB is multiplied by the A that is there, which is then replaced
+  kReplaceAlpha,        // RGB is left
+};
+
+// What is done to the stencil where the depth test passes, or where its value lets draw.
+enum class Stencil {
+  kNone,
+  kInvert,      // its lowest bit is inverted
+  kCount,       // triangles seen counter-clockwise add 1, others take 1, modulo 256
+  kIncrement,   // all triangles add 1
+  kWhereIsSet,  // drawn where it is not 0; left
+};
 
 // Pixels of a target; `y` counts from the bottom.
 struct PixelArea {
@@ -34,6 +53,7 @@ struct DrawCall {
   bool writes_depth = true;
   bool writes_color = true;
   Combine combine = Combine::kReplace;
+  Stencil stencil = Stencil::kNone;
   int first = 0;      // vertex, where there are no indices
   int instances = 1;  // times that all of it is drawn
   // Where clip space lies, and all that is drawn to. Empty: the whole target.

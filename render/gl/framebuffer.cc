@@ -10,12 +10,19 @@ namespace {
 
 void Delete(uint32_t name) { glDeleteFramebuffers(1, &name); }
 
+GLenum DepthAttachment(const Texture& depth) {
+  return depth.options().format == Format::kDepth32FStencil8 ? GL_DEPTH_STENCIL_ATTACHMENT
+                                                             : GL_DEPTH_ATTACHMENT;
+}
+
 absl::StatusOr<ObjectName> Attach(Context& context, const Texture& color, const Texture* depth) {
   GLuint name = 0;
   glCreateFramebuffers(1, &name);
   ObjectName owned(context, name, &Delete);
   glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, color.name(), 0);
-  if (depth != nullptr) glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, depth->name(), 0);
+  if (depth != nullptr) {
+    glNamedFramebufferTexture(name, DepthAttachment(*depth), depth->name(), 0);
+  }
   const GLenum status = glCheckNamedFramebufferStatus(name, GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
     return absl::UnavailableError(
@@ -37,7 +44,7 @@ absl::StatusOr<Framebuffer> Framebuffer::Create(Context& context,
   auto color = Texture::Create(context, image);
   if (!color.ok()) return color.status();
   if (options.has_depth) {
-    image.format = Format::kDepth32F;
+    image.format = options.has_stencil ? Format::kDepth32FStencil8 : Format::kDepth32F;
     auto depth = Texture::Create(context, image);
     if (!depth.ok()) return depth.status();
     framebuffer.depth_ = *std::move(depth);
@@ -76,6 +83,14 @@ void Framebuffer::ClearToZeros(Context& context) {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDisable(GL_SCISSOR_TEST);
   glClearNamedFramebufferuiv(name(), GL_COLOR, 0, kZeros);
+}
+
+void Framebuffer::ClearStencil(Context& context, uint8_t value) {
+  if (!options_.has_stencil || !context.MakeCurrent().ok()) return;
+  const GLint cleared = value;
+  glStencilMask(0xff);
+  glDisable(GL_SCISSOR_TEST);
+  glClearNamedFramebufferiv(name(), GL_STENCIL, 0, &cleared);
 }
 
 absl::StatusOr<std::vector<Vec4>> Framebuffer::ReadPixels(Context& context) {

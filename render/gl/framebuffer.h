@@ -21,6 +21,7 @@ struct FramebufferOptions {
   Format color = Format::kRgba32F;
   int samples = 1;
   bool has_depth = true;
+  bool has_stencil = false;  // with depth only
 };
 
 class Framebuffer {
@@ -35,6 +36,8 @@ class Framebuffer {
   void Clear(Context& context, Vec4 color);
   // The same for a colour image of whole numbers: all zeros.
   void ClearToZeros(Context& context);
+  // Eight bits a sample; of nothing else.
+  void ClearStencil(Context& context, uint8_t value);
   // For a program to read.
   void BindColor(Context& context, uint32_t unit) const { color_.Bind(context, unit); }
 

@@ -29,6 +29,8 @@ FormatInfo InfoOf(Format format) {
       return {GL_RGBA32F, GL_RGBA, GL_FLOAT, 16};
     case Format::kDepth32F:
       return {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, 4};
+    case Format::kDepth32FStencil8:
+      return {GL_DEPTH32F_STENCIL8, GL_DEPTH_STENCIL, GL_FLOAT_32_UNSIGNED_INT_24_8_REV, 8};
     case Format::kR8Ui:
       return {GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1};
     case Format::kRg32Ui:

@@ -13,7 +13,18 @@
 
 namespace penumbra::gl {
 
-enum class Format { kR8, kR16Ui, kR32F, kRgba8, kRgba16F, kRgba32F, kDepth32F, kR8Ui, kRg32Ui };
+enum class Format {
+  kR8,
+  kR16Ui,
+  kR32F,
+  kRgba8,
+  kRgba16F,
+  kRgba32F,
+  kDepth32F,
+  kDepth32FStencil8,
+  kR8Ui,
+  kRg32Ui
+};
 
 size_t BytesPerTexel(Format format);
 

@@ -97,16 +97,19 @@ using Blocks = tbb::blocked_range2d<uint32_t>;
 
 uint32_t BlocksOf(uint32_t pixels) { return (pixels + kBlock - 1) / kBlock; }
 
-// Of `blocks` those that the map has.
-void DrawBlocks(RTCScene scene, const ViewRays& view_rays, const Blocks& blocks, DepthMap& map) {
+// Traces of `blocks` those that the view has, and calls `take(pixel, packet, k)` for each ray that
+// meets something.
+template <typename Take>
+void TraceBlocks(RTCScene scene, const ViewRays& view_rays, const Blocks& blocks,
+                 const LightView& view, const Take& take) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   alignas(64) RTCRayHit16 packet;
   alignas(64) std::array<int, kPacket> valid;
   view_rays.Prepare(packet.ray);
-  const uint32_t down = std::min(blocks.rows().end(), BlocksOf(map.view.height));
-  const uint32_t across = std::min(blocks.cols().end(), BlocksOf(map.view.width));
+  const uint32_t down = std::min(blocks.rows().end(), BlocksOf(view.height));
+  const uint32_t across = std::min(blocks.cols().end(), BlocksOf(view.width));
   for (uint32_t by = blocks.rows().begin(); by < down; ++by) {
     for (uint32_t bx = blocks.cols().begin(); bx < across; ++bx) {
       view_rays.Fill(bx, by, packet, valid);
@@ -114,8 +117,7 @@ void DrawBlocks(RTCScene scene, const ViewRays& view_rays, const Blocks& blocks,
       for (uint32_t k = 0; k < kPacket; ++k) {
         if (valid[k] == 0 || packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
         const uint32_t x = kBlock * bx + k % kBlock, y = kBlock * by + k / kBlock;
-        map.depths[size_t{y} * map.view.width + x] =
-            static_cast<float>(view_rays.begin() + double{packet.ray.tfar[k]});
+        take(size_t{y} * view.width + x, packet, k);
       }
     }
   }
@@ -138,6 +140,28 @@ absl::Status RayDepthSource::Draw(std::span<const LightView> views, const std::s
   return absl::OkStatus();
 }
 
+absl::StatusOr<std::vector<uint32_t>> RayDepthSource::InstancesIn(
+    const LightView& view, const std::stop_token& stop) const {
+  if (!casters_->status().ok()) return casters_->status();
+  if (absl::Status status = CheckViews({&view, 1}); !status.ok()) return status;
+  std::vector<uint32_t> seen(size_t{view.width} * view.height, kNoInstance);
+  if (view.empty()) return seen;
+  const ViewRays rays(view);
+  const auto take = [&](size_t pixel, const RTCRayHit16& packet, uint32_t k) {
+    seen[pixel] = packet.hit.instID[0][k];
+  };
+  RunIn(arena_, [&] {
+    ParallelForRange(
+        Blocks(0, BlocksOf(view.height), kBlocksDown, 0, BlocksOf(view.width), kBlocksAcross),
+        [&](const Blocks& some) {
+          if (stop.stop_requested()) return;
+          TraceBlocks(casters_->embree(), rays, some, view, take);
+        });
+  });
+  if (stop.stop_requested()) return absl::CancelledError("stopped");
+  return seen;
+}
+
 // Block by block of all of them, so that what is seen there is in the caches still.
 std::vector<DepthMap> RayDepthSource::DrawTogether(std::span<const LightView> views,
                                                    const std::stop_token& stop) {
@@ -150,13 +174,16 @@ std::vector<DepthMap> RayDepthSource::DrawTogether(std::span<const LightView> vi
     down = std::max(down, BlocksOf(view.height)), across = std::max(across, BlocksOf(view.width));
   }
   RunIn(arena_, [&] {
-    ParallelForRange(Blocks(0, down, kBlocksDown, 0, across, kBlocksAcross),
-                     [&](const Blocks& some) {
-                       for (size_t i = 0; i < views.size() && !stop.stop_requested(); ++i) {
-                         if (views[i].empty()) continue;
-                         DrawBlocks(casters_->embree(), rays[i], some, maps[i]);
-                       }
-                     });
+    ParallelForRange(
+        Blocks(0, down, kBlocksDown, 0, across, kBlocksAcross), [&](const Blocks& some) {
+          for (size_t i = 0; i < views.size() && !stop.stop_requested(); ++i) {
+            if (views[i].empty()) continue;
+            const auto take = [&](size_t pixel, const RTCRayHit16& hit, uint32_t k) {
+              maps[i].depths[pixel] = static_cast<float>(rays[i].begin() + double{hit.ray.tfar[k]});
+            };
+            TraceBlocks(casters_->embree(), rays[i], some, views[i], take);
+          }
+        });
   });
   return maps;
 }

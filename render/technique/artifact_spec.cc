@@ -46,6 +46,13 @@ std::string KeyOf(const ShadowWidthParams& params) {
                          static_cast<int>(params.source));
 }
 
+std::string KeyOf(const ShadowVolumeParams& params) {
+  return absl::StrFormat("%d %a %a %a %d %d %d %d", params.resolution, params.bias,
+                         params.low_threshold, params.high_threshold,
+                         static_cast<int>(params.surface), static_cast<int>(params.volumes_of),
+                         params.object_ids, static_cast<int>(params.source));
+}
+
 std::string NameOf(const ArtifactSpec& spec) { return std::string(InfoOf(spec.params).name); }
 
 absl::Status Unexpected(const ArtifactSpec& spec, std::string_view field) {

@@ -2,6 +2,7 @@
 
 #include "render/technique/coherent_raytrace/coherent_raytrace.h"
 #include "render/technique/layered_attenuation/layered_attenuation.h"
+#include "render/technique/shadow_volume/shadow_volumes.h"
 #include "render/technique/shadow_width/shadow_width.h"
 #include "render/technique/soft_texture/soft_texture.h"
 #include "render/technique/technique.h"
@@ -23,6 +24,11 @@ const Technique& InstanceFor(const CoherentRaytraceParams&) {
 }
 const Technique& InstanceFor(const ShadowWidthParams&) {
   static const ShadowWidth technique;
+  return technique;
+}
+
+const Technique& InstanceFor(const ShadowVolumeParams&) {
+  static const ShadowVolumes technique;
   return technique;
 }
 

@@ -10,6 +10,7 @@
 
 #include "render/technique/coherent_raytrace/coherent_raytrace_params.h"
 #include "render/technique/layered_attenuation/layered_attenuation_params.h"
+#include "render/technique/shadow_volume/shadow_volume_params.h"
 #include "render/technique/shadow_width/shadow_width_params.h"
 #include "render/technique/soft_texture/soft_texture_params.h"
 #include "render/technique/technique_info.h"
@@ -17,7 +18,7 @@
 namespace penumbra {
 
 using TechniqueParams = std::variant<SoftTextureParams, LayeredAttenuationParams,
-                                     CoherentRaytraceParams, ShadowWidthParams>;
+                                     CoherentRaytraceParams, ShadowWidthParams, ShadowVolumeParams>;
 
 inline const TechniqueInfo& InfoOf(const TechniqueParams& params) {
   return std::visit(

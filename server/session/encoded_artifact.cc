@@ -1,6 +1,8 @@
 #include "server/session/encoded_artifact.h"
 
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <variant>
 
@@ -111,12 +113,67 @@ void ArtifactEncoder::EncodeWidths(const ShadowWidthMap& map, const EncodedArtif
   });
 }
 
+void ArtifactEncoder::EncodeVolumes(const ShadowVolumeMesh& mesh, const EncodedArtifact* previous,
+                                    EncodedArtifact& encoded) {
+  const auto* before =
+      previous ? std::get_if<ShadowVolumeMesh>(&previous->artifact->payload) : nullptr;
+  std::unordered_map<const ShadowVolume*, size_t> kept;  // volumes of the mesh before
+  std::unordered_map<std::string_view, const EncodedTile*> known;
+  for (size_t i = 0; before && i < before->volumes.size(); ++i) {
+    kept[before->volumes[i].get()] = i;
+  }
+  for (size_t i = 0; before && i < previous->tiles.size(); ++i) {
+    known[previous->part_names[i]] = &previous->tiles[i];
+  }
+  for (const auto& volume : mesh.volumes) {
+    encoded.first_parts.push_back(encoded.tiles.size());
+    if (const auto same = kept.find(volume.get()); same != kept.end()) {
+      const auto [first, end] = previous->PartsOfVolume(same->second);
+      for (size_t i = first; i < end; ++i) {
+        encoded.tiles.push_back(previous->tiles[i]);
+        encoded.part_names.push_back(previous->part_names[i]);
+      }
+      continue;
+    }
+    const std::vector<VolumePartPlan> parts = PartsOf(*volume);
+    const size_t first = encoded.tiles.size();
+    encoded.tiles.resize(first + parts.size());
+    for (const VolumePartPlan& part : parts) encoded.part_names.push_back(part.name);
+    ForEachTile(parts.size(), [&](size_t i) {
+      if (const auto same = known.find(parts[i].name); same != known.end()) {
+        encoded.tiles[first + i] = *same->second;
+        return;
+      }
+      v1::ArtifactUpdate field;
+      *field.add_volume_parts() = packers_.local().volumes.Encode(*volume, parts[i]);
+      encoded.tiles[first + i] = {encoded.sequence, Bytes(field)};
+    });
+  }
+}
+
+void ArtifactEncoder::EncodePayload(const ArtifactPayload& payload, const EncodedArtifact* previous,
+                                    EncodedArtifact& encoded) {
+  if (const ShadowTexels* texels = TexelsOf(payload)) {
+    EncodeTexels(*texels, previous, encoded);
+  } else if (const auto* ldi = std::get_if<AttenuationLdi>(&payload)) {
+    EncodeLayers(*ldi, previous, encoded);
+  } else if (const auto* map = std::get_if<ShadowWidthMap>(&payload)) {
+    EncodeWidths(*map, previous, encoded);
+  } else {
+    EncodeVolumes(std::get<ShadowVolumeMesh>(payload), previous, encoded);
+  }
+}
+
 std::shared_ptr<const EncodedArtifact> ArtifactEncoder::Encode(
     const EncodedArtifact* previous, std::shared_ptr<const Artifact> artifact, uint64_t sequence) {
   auto encoded = std::make_shared<EncodedArtifact>();
   encoded->sequence = sequence;
+  EncodePayload(artifact->payload, previous, *encoded);
   v1::ArtifactUpdate header;
   *header.mutable_header() = ToProto(*artifact);
+  for (const size_t head : encoded->first_parts) {
+    header.mutable_header()->mutable_shadow_volume_mesh()->add_volumes(encoded->part_names[head]);
+  }
   encoded->header = Bytes(header);
   if (previous && previous->artifact->header.light_samples == artifact->header.light_samples) {
     encoded->light_samples_changed_at = previous->light_samples_changed_at;
@@ -126,13 +183,6 @@ std::shared_ptr<const EncodedArtifact> ArtifactEncoder::Encode(
     samples.set_light_samples(EncodeLightSamples(artifact->header.light_samples));
     encoded->light_samples_changed_at = sequence;
     encoded->light_samples = Bytes(samples);
-  }
-  if (const ShadowTexels* texels = TexelsOf(artifact->payload)) {
-    EncodeTexels(*texels, previous, *encoded);
-  } else if (const auto* ldi = std::get_if<AttenuationLdi>(&artifact->payload)) {
-    EncodeLayers(*ldi, previous, *encoded);
-  } else {
-    EncodeWidths(std::get<ShadowWidthMap>(artifact->payload), previous, *encoded);
   }
   encoded->artifact = std::move(artifact);
   return encoded;

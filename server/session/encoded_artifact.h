@@ -7,11 +7,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "grpcpp/support/slice.h"
 #include "proto/convert/ldi_codec.h"
 #include "proto/convert/tile_codec.h"
+#include "proto/convert/volume_codec.h"
 #include "proto/convert/width_codec.h"
 #include "render/artifact/artifact.h"
 #include "tbb/enumerable_thread_specific.h"
@@ -31,8 +34,18 @@ struct EncodedArtifact {
   grpc::Slice header;
   uint64_t light_samples_changed_at = 0;
   grpc::Slice light_samples;
-  // Row by row, and then the parts of the mask, which travel like tiles.
+  // Row by row, and then the parts of the mask, which travel like tiles. Of a shadow volume mesh all
+  // parts, volume by volume.
   std::vector<EncodedTile> tiles;
+  // Of a shadow volume mesh: the names of its parts, one a tile, and where each volume's begin.
+  std::vector<std::string> part_names;
+  std::vector<size_t> first_parts;
+
+  // First and past the last.
+  std::pair<size_t, size_t> PartsOfVolume(size_t volume) const {
+    return {first_parts[volume],
+            volume + 1 < first_parts.size() ? first_parts[volume + 1] : tiles.size()};
+  }
 };
 
 // Any thread may use it, any number at a time; each keeps its compressor's memory.
@@ -53,10 +66,16 @@ class ArtifactEncoder {
   void EncodeWidths(const ShadowWidthMap& map, const EncodedArtifact* previous,
                     EncodedArtifact& encoded);
 
+  void EncodeVolumes(const ShadowVolumeMesh& mesh, const EncodedArtifact* previous,
+                     EncodedArtifact& encoded);
+  void EncodePayload(const ArtifactPayload& payload, const EncodedArtifact* previous,
+                     EncodedArtifact& encoded);
+
   struct Packers {
     TileEncoder texels;
     LdiTileEncoder layers;
     WidthTileEncoder widths;
+    VolumePartEncoder volumes;
   };
   tbb::enumerable_thread_specific<Packers> packers_;
 };

@@ -119,12 +119,14 @@ bool IsInside(const Scene& scene, DVec3 place) {
 
 // Of one mesh, from random eyes outside of what is solid.
 MaskComparison FromRandomEyes(const Scene& scene, Vec3 light, int count,
-                              const BenchOptions& options) {
+                              const BenchOptions& options, testing::StencilMasks& stencil) {
   tbb::task_arena arena(options.threads);
   CasterBvhs bvhs;
   AutoDepthSource source(scene, bvhs, arena);
   const testing::EyeRays rays(scene);
   const ShadowVolumeMesh mesh = OrDie(BuildShadowVolumes(scene, PointAt(light), {}, source, {}));
+  const auto lit = testing::WithLight(scene, PointAt(light));
+  const auto artifact = testing::ArtifactOf(mesh);
   Dice dice(61);
   MaskComparison sum;
   for (int i = 0; i < count; ++i) {
@@ -140,8 +142,12 @@ MaskComparison FromRandomEyes(const Scene& scene, Vec3 light, int count,
         .width = 192,
         .height = 192,
         .near = near};
-    sum.Add(testing::CompareMasks(
-        {.rays = rays, .mesh = mesh, .eye = image, .light = DVec4(DVec3(light), 1.0)}, arena));
+    sum.Add(testing::CompareMasks({.rays = rays,
+                                   .mesh = mesh,
+                                   .eye = image,
+                                   .light = DVec4(DVec3(light), 1.0),
+                                   .drawn = stencil.MaskOf(*lit, artifact, image)},
+                                  arena));
   }
   return sum;
 }
@@ -229,8 +235,8 @@ void AddPerObjectRows(const BenchOptions& options, std::vector<Row>& rows) {
   };
   auto scene = SceneOf(Hundred());
   const AreaLight light = PointAt(Vec3(1, 9, 2));
-  ObjectVolumes kept({}, ObjectPrecision::kNever, source_of);
-  OrDie(kept.Update(*scene, light, {}));
+  ObjectVolumes kept({}, ObjectPrecision::kNever);
+  OrDie(kept.Update(*scene, light, source_of, {}));
   int moves = 0;
   const auto move = [&] {
     Instance thing = *scene->FindInstance("thing37");
@@ -238,11 +244,11 @@ void AddPerObjectRows(const BenchOptions& options, std::vector<Row>& rows) {
     SceneDelta delta;
     delta.upsert_instances = {thing};
     scene = OrDie(scene->Apply(delta));
-    OrDie(kept.Update(*scene, light, {}));
+    OrDie(kept.Update(*scene, light, source_of, {}));
   };
   const auto all_anew = [&] {
-    ObjectVolumes fresh({}, ObjectPrecision::kNever, source_of);
-    OrDie(fresh.Update(*scene, light, {}));
+    ObjectVolumes fresh({}, ObjectPrecision::kNever);
+    OrDie(fresh.Update(*scene, light, source_of, {}));
   };
   const auto as_one = [&] {
     const auto source = OrDie(source_of(*scene));
@@ -256,13 +262,14 @@ void AddPerObjectRows(const BenchOptions& options, std::vector<Row>& rows) {
                            {"shadow_volume.per_object.as_one_volume", one.PeersMs(), "ms"}});
 }
 
-void AddCameraRows(const BenchOptions& options, std::vector<Row>& rows) {
+void AddCameraRows(const BenchOptions& options, testing::StencilMasks& stencil,
+                   std::vector<Row>& rows) {
   const auto scenes = testing::VolumeScenes();
-  const int count = CountFor(options, 500);
+  const int count = CountFor(options, 1000);
   AddCameraRows("shadow_volume.cameras.",
-                FromRandomEyes(*scenes[1].scene, Vec3(2, 3, 1), count, options), rows);
-  AddCameraRows("shadow_volume.room.", FromRandomEyes(*Room(), Vec3(0.1f, 0.2f, 0), count, options),
-                rows);
+                FromRandomEyes(*scenes[1].scene, Vec3(2, 3, 1), count, options, stencil), rows);
+  AddCameraRows("shadow_volume.room.",
+                FromRandomEyes(*Room(), Vec3(0.1f, 0.2f, 0), count, options, stencil), rows);
 }
 
 }  // namespace penumbra::bench

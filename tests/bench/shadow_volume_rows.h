@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tests/bench/bench.h"
+#include "tests/support/stencil_masks.h"
 
 namespace penumbra::bench {
 
@@ -14,7 +15,8 @@ void AddVectorizedRows(const BenchOptions& options, std::vector<Row>& rows);
 // One of 100 casters moves.
 void AddPerObjectRows(const BenchOptions& options, std::vector<Row>& rows);
 // Eyes anywhere in shadows, out of them and across their boundaries, towards the light among
-// others.
-void AddCameraRows(const BenchOptions& options, std::vector<Row>& rows);
+// others; as the stencil has it.
+void AddCameraRows(const BenchOptions& options, testing::StencilMasks& stencil,
+                   std::vector<Row>& rows);
 
 }  // namespace penumbra::bench

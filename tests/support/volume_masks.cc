@@ -17,7 +17,7 @@ struct Masks {
 
   Masks(const MaskCase& mask_case, tbb::task_arena& arena)
       : c(mask_case), view(c.rays.See(c.eye, arena)) {
-    by_mesh = MaskOf(c.mesh, c.eye, view);
+    by_mesh = c.drawn.empty() ? MaskOf(c.mesh, c.eye, view) : c.drawn;
     by_rays = c.rays.Shadow(view, c.light, c.offset, arena);
     by_map.resize(by_mesh.size());
     const VolumeLookup lookup(c.mesh);
@@ -38,9 +38,14 @@ struct Masks {
     return DVec3(c.light) - c.light.w * DVec3(view.points[pixel]);
   }
 
-  // A texel of the map at the point, across the light's ray, in m.
+  // A texel of the first map at the point, across the light's ray, in m; 0: there is no map.
   double Texel(size_t pixel) const {
-    const LightView& map = c.mesh.volumes.at(0).faces.at(0).map.view;
+    for (const auto& volume : c.mesh.volumes) {
+      if (!volume->faces.empty()) return Texel(pixel, volume->faces.front().map.view);
+    }
+    return 0;
+  }
+  double Texel(size_t pixel, const LightView& map) const {
     return (c.light.w == 0 ? 1.0 : glm::length(ToLight(pixel))) * map.window.size().x / map.width;
   }
 
@@ -107,7 +112,8 @@ void MaskComparison::Add(const MaskComparison& other) {
 std::vector<uint8_t> MaskOf(const ShadowVolumeMesh& mesh, const EyeImage& eye,
                             const EyeView& view) {
   std::vector<uint8_t> mask(view.inverse_depths.size());
-  for (const ShadowVolume& volume : mesh.volumes) {
+  for (const auto& shared : mesh.volumes) {
+    const ShadowVolume& volume = *shared;
     VolumeCrossings crossings(eye, view.inverse_depths);
     crossings.Add(volume.vertices, volume.indices, volume.weights);
     const VolumeCaps caps =

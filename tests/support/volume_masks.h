@@ -32,6 +32,8 @@ struct MaskCase {
   const EyeImage& eye;
   DVec4 light;           // a position, or a direction with w = 0
   float offset = 1e-4f;  // m, where shadow rays begin over surfaces
+  // The mesh's own mask, if something else drew it; empty: MaskOf().
+  std::vector<uint8_t> drawn{};
 };
 
 // What faces away from the light is in shadow in all three masks.

@@ -22,8 +22,6 @@ struct EdgeThresholds {
   float dangling = 0.25f;
 };
 
-inline constexpr float kMaxEdgeThreshold = 1e6f;
-
 // Thresholds for a map whose surfaces nobody knows. Gaps between surfaces are as high however many
 // samples there are: `low` is a part of the map's longer side, between kLeastGap and kMostGap, and
 // within these as low as leaves kEdgesPerSide times the map's sides of differences above it, so

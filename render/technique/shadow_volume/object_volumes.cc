@@ -32,58 +32,74 @@ ContentHash HashOfCaster(const Instance& instance, ObjectPrecision precision, do
 
 }  // namespace
 
-absl::StatusOr<ObjectVolumes::Kept> ObjectVolumes::Make(
-    const std::shared_ptr<const Instance>& instance, const AreaLight& light, double pitch,
-    const std::stop_token& stop) {
-  Kept kept;
-  if (IsObjectPrecise(*instance, precision_)) {
-    kept.volume = std::make_shared<ShadowVolume>(SilhouetteVolume(*instance, light));
-    return kept;
-  }
-  const Aabb box = WorldBounds(*instance);
-  const auto views = VolumeViews(light, std::span(&box, 1), pitch);
-  if (views.empty()) return kept;
+// What making a volume takes besides its caster.
+struct ObjectVolumes::Making {
+  const AreaLight& light;
+  double pitch;
+  uint64_t texels = 0;  // of the maps of all volumes so far
+  const SourceOf& source_of;
+  const std::stop_token& stop;
+};
+
+absl::StatusOr<ObjectVolumes::Kept> ObjectVolumes::MakeFromMap(const Instance& instance,
+                                                               const Making& making) const {
+  const Aabb box = WorldBounds(instance);
+  const auto views = VolumeViews(making.light, std::span(&box, 1), making.pitch);
+  if (views.empty()) return Kept{};
+  if (auto status = CheckVolumeTexels(making.texels, views); !status.ok()) return status;
   SceneDelta delta;
-  delta.upsert_instances.push_back(*instance);
+  delta.upsert_instances.push_back(instance);
   const auto alone = Scene::Empty("caster")->Apply(delta);
   if (!alone.ok()) return alone.status();
-  auto source = source_of_(**alone);
+  auto source = making.source_of(**alone);
   if (!source.ok()) return source.status();
-  auto faces = DrawFaces(views, **source, stop);
+  auto faces = DrawFaces(views, **source, making.stop);
   if (!faces.ok()) return faces.status();
   ReconstructedVolume built = ReconstructVolume(*std::move(faces), options_);
-  kept.edge_fraction = built.edge_fraction;
-  kept.volume = std::make_shared<ShadowVolume>(std::move(built.volume));
-  return kept;
+  return Kept{.volume = std::make_shared<ShadowVolume>(std::move(built.volume)),
+              .edge_fraction = built.edge_fraction};
+}
+
+absl::StatusOr<ObjectVolumes::Kept> ObjectVolumes::Make(const Instance& instance,
+                                                        const Making& making) const {
+  if (IsObjectPrecise(instance, precision_)) {
+    return Kept{.volume = std::make_shared<ShadowVolume>(SilhouetteVolume(instance, making.light))};
+  }
+  return MakeFromMap(instance, making);
 }
 
 absl::StatusOr<ShadowVolumeMesh> ObjectVolumes::Update(const Scene& scene, const AreaLight& light,
+                                                       const SourceOf& source_of,
                                                        const std::stop_token& stop) {
   if (const auto status = CheckShadowVolumeOptions(options_); !status.ok()) return status;
   made_ = 0;
   Aabb bounds;
   for (const Aabb& box : scene.casters().bounds()) bounds.Add(box);
-  const double pitch = SteadyPitch(PitchFor(light, bounds, options_.resolution));
+  Making making{.light = light,
+                .pitch = SteadyPitch(PitchFor(light, bounds, options_.resolution)),
+                .source_of = source_of,
+                .stop = stop};
   ShadowVolumeMesh mesh{.light = light, .bias_px = options_.bias_px, .volumes = {}};
   std::map<std::string, Kept> next;
   double edge_fraction = 0;
   for (const auto& [id, instance] : scene.instances()) {
     if (!instance->casts || instance->mesh->triangle_count() == 0) continue;
+    if (stop.stop_requested()) return absl::CancelledError("stopped");
     const ContentHash content =
-        HashOfVolume(HashOfCaster(*instance, precision_, pitch), light, options_);
+        HashOfVolume(HashOfCaster(*instance, precision_, making.pitch), light, options_);
     Kept& kept = kept_[id];
     if (kept.content != content) {
-      auto made = Make(instance, light, pitch, stop);
+      auto made = Make(*instance, making);
       if (!made.ok()) return made.status();
       kept = *std::move(made);
       kept.content = content;
+      if (kept.volume) kept.volume->instance_id = id, kept.volume->content = content;
       ++made_;
     }
     edge_fraction += kept.edge_fraction;
     if (kept.volume) {
-      mesh.volumes.push_back(*kept.volume);
-      mesh.volumes.back().instance_id = id;
-      mesh.volumes.back().content = content;
+      mesh.volumes.push_back(kept.volume);
+      making.texels += kept.volume->sample_count();
     }
     next[id] = kept;
   }

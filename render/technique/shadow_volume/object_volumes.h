@@ -1,7 +1,7 @@
 // A volume for each caster, of which those are made anew that changed.
 //
-//   ObjectVolumes volumes(options, source_of);   // kept from revision to revision
-//   auto mesh = volumes.Update(*scene, light, stop);
+//   ObjectVolumes volumes(options, ObjectPrecision::kNever);   // kept from revision to revision
+//   auto mesh = volumes.Update(*scene, light, source_of, stop);
 #pragma once
 
 #include <cstddef>
@@ -37,32 +37,34 @@ class ObjectVolumes {
   // Makes the depth source of a scene, which outlives it.
   using SourceOf = std::function<absl::StatusOr<std::unique_ptr<DepthSource>>(const Scene& scene)>;
 
-  ObjectVolumes(const ShadowVolumeOptions& options, ObjectPrecision precision, SourceOf source_of)
-      : options_(options), precision_(precision), source_of_(std::move(source_of)) {}
+  ObjectVolumes(const ShadowVolumeOptions& options, ObjectPrecision precision)
+      : options_(options), precision_(precision) {}
 
   // Volumes of all casters that the light sees, in the order of instances.
   //
-  // Errors  those of CheckShadowVolumeOptions, of `source_of` and of DepthSource::Draw, after which
-  //         what was made is kept
+  // Errors  those of CheckShadowVolumeOptions, CheckVolumeTexels, `source_of` and DepthSource::Draw,
+  //         after which what was made is kept
   absl::StatusOr<ShadowVolumeMesh> Update(const Scene& scene, const AreaLight& light,
-                                          const std::stop_token& stop);
+                                          const SourceOf& source_of, const std::stop_token& stop);
 
   // Volumes that the last Update made anew.
   size_t made() const { return made_; }
 
  private:
   struct Kept {
-    ContentHash content;
-    std::shared_ptr<const ShadowVolume> volume;  // null: the light sees nothing of it
+    ContentHash content{};
+    // Null: the light sees nothing of it. Left as it is once a mesh has it.
+    std::shared_ptr<ShadowVolume> volume{};
     double edge_fraction = 0;
   };
 
-  absl::StatusOr<Kept> Make(const std::shared_ptr<const Instance>& instance, const AreaLight& light,
-                            double pitch, const std::stop_token& stop);
+  struct Making;
+
+  absl::StatusOr<Kept> Make(const Instance& instance, const Making& making) const;
+  absl::StatusOr<Kept> MakeFromMap(const Instance& instance, const Making& making) const;
 
   const ShadowVolumeOptions options_;
   const ObjectPrecision precision_;
-  const SourceOf source_of_;
   std::map<std::string, Kept> kept_;  // by instance
   size_t made_ = 0;
 };

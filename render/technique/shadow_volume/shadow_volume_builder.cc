@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "render/scene/caster_tree.h"
+#include "render/scene/field_error.h"
 #include "render/technique/shadow_volume/volume_hash.h"
 #include "render/technique/shadow_volume/wall_edges.h"
 #include "render/technique/shadow_volume/wall_fit.h"
@@ -54,10 +56,20 @@ absl::StatusOr<std::vector<VolumeFace>> DrawFaces(std::span<const VolumeView> vi
   return faces;
 }
 
+absl::Status CheckVolumeTexels(uint64_t so_far, std::span<const VolumeView> views) {
+  uint64_t texels = so_far;
+  for (const VolumeView& view : views) texels += uint64_t{view.view.width} * view.view.height;
+  if (texels <= kMaxVolumeTexels) return absl::OkStatus();
+  return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_VOLUME_TEXELS", "resolution",
+                    absl::StrCat("found one at which the light's maps have ", texels,
+                                 " texels or more, need at most ", kMaxVolumeTexels));
+}
+
 absl::StatusOr<ShadowVolumeMesh> BuildShadowVolumes(const Scene& scene, const AreaLight& light,
                                                     const ShadowVolumeOptions& options,
                                                     DepthSource& source,
-                                                    const std::stop_token& stop) {
+                                                    const std::stop_token& stop,
+                                                    const InstancesOf& instances_of) {
   if (const auto status = CheckShadowVolumeOptions(options); !status.ok()) return status;
   ShadowVolumeMesh mesh{.light = light, .bias_px = options.bias_px, .volumes = {}};
   const std::vector<Aabb>& boxes = scene.casters().bounds();
@@ -65,12 +77,19 @@ absl::StatusOr<ShadowVolumeMesh> BuildShadowVolumes(const Scene& scene, const Ar
   for (const Aabb& box : boxes) bounds.Add(box);
   const auto views = VolumeViews(light, boxes, PitchFor(light, bounds, options.resolution));
   if (views.empty()) return mesh;
+  if (const auto status = CheckVolumeTexels(0, views); !status.ok()) return status;
   auto faces = DrawFaces(views, source, stop);
   if (!faces.ok()) return faces.status();
-  ReconstructedVolume built = ReconstructVolume(*std::move(faces), options);
+  std::vector<std::vector<uint32_t>> ids;
+  for (size_t i = 0; instances_of && i < faces->size(); ++i) {
+    auto seen = instances_of((*faces)[i].map.view);
+    if (!seen.ok()) return seen.status();
+    ids.push_back(*std::move(seen));
+  }
+  ReconstructedVolume built = ReconstructVolume(*std::move(faces), options, ids);
   built.volume.content = HashOfVolume(scene.content_hash(), light, options);
   mesh.edge_fraction = static_cast<float>(built.edge_fraction);
-  mesh.volumes.push_back(std::move(built.volume));
+  mesh.volumes.push_back(std::make_shared<ShadowVolume>(std::move(built.volume)));
   return mesh;
 }
 

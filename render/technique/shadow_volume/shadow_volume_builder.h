@@ -4,6 +4,8 @@
 //   if (!mesh.ok()) return mesh.status();
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -37,13 +39,23 @@ ReconstructedVolume ReconstructVolume(std::vector<VolumeFace> faces,
 absl::StatusOr<std::vector<VolumeFace>> DrawFaces(std::span<const VolumeView> views,
                                                   DepthSource& source, const std::stop_token& stop);
 
+// Errors  kResourceExhausted QUOTA_VOLUME_TEXELS, at "resolution": with `so_far` the views have more
+//         than kMaxVolumeTexels
+absl::Status CheckVolumeTexels(uint64_t so_far, std::span<const VolumeView> views);
+
+// Of a view, the numbers of the instances that its pixels show.
+using InstancesOf = std::function<absl::StatusOr<std::vector<uint32_t>>(const LightView& view)>;
+
 // One volume of all of the scene's casters; none where the light sees nothing of them.
 //
-// source  draws `scene`
-// Errors  those of CheckShadowVolumeOptions; those of DepthSource::Draw
+// source        draws `scene`
+// instances_of  null: edges are told by depth alone
+// Errors        those of CheckShadowVolumeOptions, CheckVolumeTexels, `instances_of` and
+//               DepthSource::Draw
 absl::StatusOr<ShadowVolumeMesh> BuildShadowVolumes(const Scene& scene, const AreaLight& light,
                                                     const ShadowVolumeOptions& options,
                                                     DepthSource& source,
-                                                    const std::stop_token& stop);
+                                                    const std::stop_token& stop,
+                                                    const InstancesOf& instances_of = nullptr);
 
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "render/technique/shadow_volume/edge_map.h"
+#include "render/technique/shadow_volume/shadow_volume_params.h"
 #include "render/technique/shadow_volume/template_mesh.h"
 
 namespace penumbra {
@@ -21,9 +22,6 @@ struct ShadowVolumeOptions {
   // surface as that is not behind its boundary.
   float bias_px = 0.25f;
 };
-
-inline constexpr uint32_t kMinVolumeResolution = 8, kMaxVolumeResolution = 8192;
-inline constexpr float kMaxVolumeBias = 64.0f;
 
 // Errors  kInvalidArgument RANGE, which names the field as "resolution", "bias", "low_threshold",
 //         "high_threshold"

@@ -34,6 +34,17 @@ Aabb BoundsOf(std::span<const Aabb> boxes) {
   return bounds;
 }
 
+// Whether all of `bounds` is where a light that shines one way does not.
+bool IsBehind(const AreaLight& light, const Aabb& bounds) {
+  const LightExtent extent(light);
+  if (!extent.plane() || extent.plane()->two_sided) return false;
+  for (int corner = 0; corner < 8; ++corner) {
+    const DVec3 way = CornerOf(bounds, corner) - extent.plane()->point;
+    if (glm::dot(way, extent.plane()->normal) > 0) return false;
+  }
+  return true;
+}
+
 // Towards the middle of `bounds`, if all of them is to be seen that way.
 std::optional<LightFace> FaceTowards(DVec3 eye, const Aabb& bounds) {
   const DVec3 way = DVec3(bounds.center()) - eye;
@@ -72,7 +83,7 @@ LightView CubeView(const LightFrame& frame, uint32_t cells, double far) {
 }  // namespace
 
 double PitchFor(const AreaLight& light, const Aabb& bounds, uint32_t resolution) {
-  if (bounds.empty() || resolution == 0) return 0.0;
+  if (bounds.empty() || resolution == 0 || IsBehind(light, bounds)) return 0.0;
   const auto face = OneFace(light, bounds);
   const DVec2 size = face ? face->window.size() : DVec2(2.0);
   if (!face && FacesOf(light, bounds).empty()) return 0.0;
@@ -82,7 +93,7 @@ double PitchFor(const AreaLight& light, const Aabb& bounds, uint32_t resolution)
 std::vector<VolumeView> VolumeViews(const AreaLight& light, std::span<const Aabb> boxes,
                                     double pitch) {
   const Aabb bounds = BoundsOf(boxes);
-  if (bounds.empty() || !(pitch > 0)) return {};
+  if (bounds.empty() || !(pitch > 0) || IsBehind(light, bounds)) return {};
   if (const auto face = OneFace(light, bounds)) {
     const auto view = CenterView(*face, boxes, pitch);
     if (!view) return {};

@@ -18,6 +18,7 @@
 #include "render/light_view/view_fit.h"
 #include "render/scene/field_error.h"
 #include "render/technique/kept_bvhs.h"
+#include "render/technique/map_passes.h"
 #include "render/technique/shadow_width/distance_exact.h"
 #include "render/technique/shadow_width/distance_sweep.h"
 #include "render/technique/shadow_width/gl/distance_steps.h"
@@ -31,9 +32,6 @@ namespace {
 // The part of a window by which a face that others are beside sees more to each side: shadows of
 // what is there reach across the border, and their widths with them.
 constexpr double kMargin = 0.125;
-
-// The first map of a large one has a quarter of its sides, which takes a sixteenth of its time.
-constexpr uint32_t kCoarseFrom = 1024, kCoarseness = 4;
 
 // Of the face's window: pixels small enough to find out how large what is seen is.
 constexpr double kFinest = 1.0 / 4096;
@@ -76,13 +74,6 @@ LightFace WithMargin(LightFace face) {
   const DVec2 margin = kMargin * face.window.size();
   face.window = {face.window.min - margin, face.window.max + margin};
   return face;
-}
-
-LightSample MiddleOf(const AreaLight& light) {
-  if (const auto* sun = std::get_if<DistantLight>(&light.shape)) {
-    return {.point = glm::normalize(sun->to_light), .at_infinity = true};
-  }
-  return {.point = Vec3(LightExtent(light).center())};
 }
 
 // All that one computation has.
@@ -190,12 +181,6 @@ ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec) {
   return header;
 }
 
-// The sides of the maps to make, the last as it was asked for.
-std::vector<uint32_t> Passes(uint32_t resolution, bool has_progress) {
-  if (!has_progress || resolution < kCoarseFrom) return {resolution};
-  return {resolution / kCoarseness, resolution};
-}
-
 }  // namespace
 
 absl::Status ShadowWidth::Check(const Scene& scene, const ArtifactSpec& spec) const {
@@ -226,7 +211,8 @@ absl::StatusOr<Artifact> ShadowWidth::Compute(const Scene& scene, const Artifact
   Stopwatch watch(context.now_ms);
   Maker maker(scene, **all_surfaces, spec, **source, bvhs, context);
   ArtifactHeader header = HeaderFor(scene, spec);
-  for (const uint32_t resolution : Passes(ParamsOf(spec).resolution, context.progress != nullptr)) {
+  for (const uint32_t resolution :
+       MapPasses(ParamsOf(spec).resolution, context.progress != nullptr)) {
     auto map = maker.Make(resolution);
     if (!map.ok()) return Within("shadow_width.", map.status());
     header.parameters["resolution"] = absl::StrCat(resolution);

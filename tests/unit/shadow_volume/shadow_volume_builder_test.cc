@@ -139,7 +139,7 @@ TEST_F(ShadowVolumeBuilderTest, ALightInARoomCastsItsShadowsAllAround) {
     const auto mesh =
         Build(*scene, PointLightAt(place), {.resolution = 256, .vectorizes = vectorizes});
     ASSERT_EQ(mesh.volumes.size(), 1u);
-    EXPECT_EQ(mesh.volumes[0].faces.size(), 6u);
+    EXPECT_EQ(mesh.volumes[0]->faces.size(), 6u);
     testing::MaskComparison sum;
     Dice dice(52);
     for (int i = 0; i < 12; ++i) {

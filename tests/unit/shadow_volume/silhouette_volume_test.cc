@@ -160,7 +160,7 @@ TEST(SilhouetteVolumeTest, LookupCountsTheCaster) {
   ShadowVolumeMesh mesh{
       .light = {.id = "light", .shape = PointLight{.position = Vec3(0.1f, 5, 0.2f)}},
       .volumes = {}};
-  mesh.volumes.push_back(SilhouetteVolume(box, mesh.light));
+  mesh.volumes.push_back(std::make_shared<ShadowVolume>(SilhouetteVolume(box, mesh.light)));
   EXPECT_EQ(Visibility(mesh, Vec3(0, -3, 0), Vec3(0, 1, 0)), 0.0f);
   EXPECT_EQ(Visibility(mesh, Vec3(0, 2, 0), Vec3(0, 1, 0)), 1.0f);
   EXPECT_EQ(Visibility(mesh, Vec3(4, -3, 0), Vec3(0, 1, 0)), 1.0f);

@@ -38,7 +38,7 @@ DVec3 PointIn(Dice& dice, const LightView& view) {
 
 ShadowVolumeMesh MeshWith(const DepthMap& map) {
   ShadowVolumeMesh mesh{.light = {.id = "light", .shape = PointLight{}}, .bias_px = 0};
-  mesh.volumes.push_back({.faces = {{.map = map}}});
+  mesh.volumes.push_back(std::make_shared<ShadowVolume>(ShadowVolume{.faces = {{.map = map}}}));
   return mesh;
 }
 

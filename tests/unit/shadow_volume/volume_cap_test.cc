@@ -37,9 +37,10 @@ ShadowVolumeMesh WholeMesh(const DepthMap& map) {
   const VolumeGrid grid(map, VolumeBorder::kNothing, mesh.bias_px);
   VolumeTriangles triangles;
   AddTriangles(grid, EdgeMap(grid), Reconstruction::kAllCells, triangles);
-  mesh.volumes.push_back({.faces = {{.map = map}},
-                          .vertices = std::move(triangles.vertices),
-                          .indices = std::move(triangles.indices)});
+  mesh.volumes.push_back(
+      std::make_shared<ShadowVolume>(ShadowVolume{.faces = {{.map = map}},
+                                                  .vertices = std::move(triangles.vertices),
+                                                  .indices = std::move(triangles.indices)}));
   return mesh;
 }
 
@@ -84,7 +85,7 @@ DVec3 PointAt(const EyeImage& eye, size_t pixel, double depth) {
 }
 
 size_t WrongOnNearPlane(const ShadowVolumeMesh& mesh, const EyeImage& eye, size_t& in_shadow) {
-  const VolumeCaps caps = VolumeCapper(mesh.volumes[0], mesh.bias_px, mesh.light)
+  const VolumeCaps caps = VolumeCapper(*mesh.volumes[0], mesh.bias_px, mesh.light)
                               .CapsFor(eye.clip_from_world, eye.near);
   VolumeCrossings crossings(eye, std::vector<double>(kSide * kSide, 0.0));
   crossings.AddCaps(caps.corners);
@@ -124,8 +125,8 @@ TEST(VolumeCapTest, OneBitIsEnoughForAnyRay) {
     std::vector<double> inverse(kSide * kSide);
     for (double& i : inverse) i = 1 / (eye.near + dice.Between(0, 8));
     VolumeCrossings crossings(eye, inverse);
-    crossings.Add(mesh.volumes[0].vertices, mesh.volumes[0].indices);
-    const VolumeCaps caps = VolumeCapper(mesh.volumes[0], mesh.bias_px, mesh.light)
+    crossings.Add(mesh.volumes[0]->vertices, mesh.volumes[0]->indices);
+    const VolumeCaps caps = VolumeCapper(*mesh.volumes[0], mesh.bias_px, mesh.light)
                                 .CapsFor(eye.clip_from_world, eye.near);
     crossings.AddCaps(caps.corners);
     if (caps.inverts) crossings.Invert();
@@ -177,7 +178,7 @@ TEST(VolumeCapTest, AllInShadowIsInvertedWithoutTriangles) {
   for (const DVec3 way : {view.frame.axes.n, -view.frame.axes.n, view.frame.axes.s}) {
     const EyeImage eye = EyeAt(below, below + way, 0.05);
     const VolumeCaps caps =
-        VolumeCapper(mesh.volumes[0], mesh.bias_px, mesh.light).CapsFor(eye.clip_from_world, 0.05);
+        VolumeCapper(*mesh.volumes[0], mesh.bias_px, mesh.light).CapsFor(eye.clip_from_world, 0.05);
     EXPECT_TRUE(caps.inverts);
     EXPECT_EQ(caps.triangle_count(), 0u);
     EXPECT_GT(caps.tested_samples, 0u);
@@ -185,7 +186,7 @@ TEST(VolumeCapTest, AllInShadowIsInvertedWithoutTriangles) {
   const DVec3 above = view.PointAt(DVec2(32), 1);
   const EyeImage eye = EyeAt(above, above + view.frame.axes.n, 0.05);
   const VolumeCaps none =
-      VolumeCapper(mesh.volumes[0], mesh.bias_px, mesh.light).CapsFor(eye.clip_from_world, 0.05);
+      VolumeCapper(*mesh.volumes[0], mesh.bias_px, mesh.light).CapsFor(eye.clip_from_world, 0.05);
   EXPECT_FALSE(none.inverts);
   EXPECT_EQ(none.triangle_count(), 0u);
 }

@@ -1,0 +1,200 @@
+#include "render/technique/shadow_volume/shadow_volumes.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "render/artifact/light_extent.h"
+#include "render/light_view/make_depth_source.h"
+#include "render/light_view/ray_depth_source.h"
+#include "render/technique/kept_bvhs.h"
+#include "render/technique/map_passes.h"
+#include "render/technique/shadow_volume/object_volumes.h"
+#include "render/technique/shadow_volume/shadow_volume_builder.h"
+#include "render/technique/spec_check.h"
+#include "render/technique/stopwatch.h"
+
+namespace penumbra {
+namespace {
+
+// A high threshold for what is given without one.
+constexpr float kHighOverLow = 4.0f;
+
+// Of the places between samples, the part that may have an edge before someone should know: a map
+// of a scene that is not finer than it has a tenth of that.
+constexpr float kManyEdges = 0.25f;
+
+const ShadowVolumeParams& ParamsOf(const ArtifactSpec& spec) {
+  return std::get<ShadowVolumeParams>(spec.params);
+}
+
+ShadowVolumeOptions OptionsOf(const ShadowVolumeParams& params) {
+  ShadowVolumeOptions options{.resolution = params.resolution, .bias_px = params.bias};
+  // Given alone, either decides on the other; what is not a number is left to be refused.
+  if (params.low_threshold != 0 || params.high_threshold != 0) {
+    EdgeThresholds thresholds{.low = params.low_threshold, .high = params.high_threshold};
+    if (thresholds.low == 0) thresholds.low = thresholds.high / kHighOverLow;
+    if (thresholds.high == 0) {
+      thresholds.high = std::min(thresholds.low * kHighOverLow, kMaxEdgeThreshold);
+    }
+    options.edges.thresholds = thresholds;
+  }
+  options.vectorizes = params.surface == VolumeSurface::kLines;
+  if (params.surface == VolumeSurface::kFixed) options.reconstruction = Reconstruction::kFixedMesh;
+  if (params.surface == VolumeSurface::kAll) options.reconstruction = Reconstruction::kAllCells;
+  return options;
+}
+
+// What is kept from revision to revision. Volumes are those of the artifact, and take no memory of
+// their own.
+struct Memory {
+  std::shared_ptr<void> bvhs;
+  std::map<uint32_t, ObjectVolumes> volumes;  // by resolution
+};
+
+// Of this computation alone where nothing can be kept.
+std::shared_ptr<Memory> MemoryOf(const ComputeContext& context) {
+  if (context.memory == nullptr) return std::make_shared<Memory>();
+  if (context.memory->kept == nullptr) context.memory->kept = std::make_shared<Memory>();
+  return std::static_pointer_cast<Memory>(context.memory->kept);
+}
+
+// All that one computation has.
+class Maker {
+ public:
+  Maker(const Scene& scene, const ArtifactSpec& spec, const ComputeContext& context)
+      : scene_(scene),
+        params_(ParamsOf(spec)),
+        light_(*scene.FindLight(spec.light_id)),
+        context_(context),
+        memory_(MemoryOf(context)),
+        bvhs_(KeptBvhs(context, &memory_->bvhs)) {}
+
+  absl::StatusOr<ShadowVolumeMesh> Make(uint32_t resolution) {
+    ShadowVolumeOptions options = OptionsOf(params_);
+    options.resolution = resolution;
+    return params_.volumes_of == VolumesOf::kScene ? MakeOfAll(options) : MakeOfEach(options);
+  }
+
+  // What drew last; of each caster what was to draw.
+  const std::string& drawn_by() const { return drawn_by_; }
+
+ private:
+  absl::StatusOr<std::unique_ptr<DepthSource>> SourceOf(const Scene& scene) {
+    return MakeDepthSource(
+        params_.source, scene,
+        {.bvhs = bvhs_, .arena = context_.arena, .gl = context_.gl, .gl_error = context_.gl_error},
+        "shadow_volume.source");
+  }
+
+  absl::StatusOr<ShadowVolumeMesh> MakeOfAll(const ShadowVolumeOptions& options) {
+    const auto source = SourceOf(scene_);
+    if (!source.ok()) return source.status();
+    InstancesOf instances_of;
+    if (params_.object_ids) {
+      instances_of = [this](const LightView& view) {
+        return RayDepthSource(bvhs_.Of(scene_), context_.arena).InstancesIn(view, context_.stop);
+      };
+    }
+    auto mesh = BuildShadowVolumes(scene_, light_, options, **source, context_.stop, instances_of);
+    drawn_by_ = (*source)->drawn_by();
+    return mesh;
+  }
+
+  absl::StatusOr<ShadowVolumeMesh> MakeOfEach(const ShadowVolumeOptions& options) {
+    const ObjectPrecision precision = params_.volumes_of == VolumesOf::kEdges
+                                          ? ObjectPrecision::kWhereItIsLess
+                                          : ObjectPrecision::kNever;
+    ObjectVolumes& volumes =
+        memory_->volumes.try_emplace(options.resolution, options, precision).first->second;
+    return volumes.Update(
+        scene_, light_, [this](const Scene& scene) { return SourceOf(scene); }, context_.stop);
+  }
+
+  const Scene& scene_;
+  const ShadowVolumeParams& params_;
+  const AreaLight light_;
+  const ComputeContext& context_;
+  const std::shared_ptr<Memory> memory_;
+  CasterBvhs bvhs_;
+  std::string drawn_by_{NameOf(params_.source)};
+};
+
+ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec) {
+  const ShadowVolumeParams& params = ParamsOf(spec);
+  ArtifactHeader header = HeaderOf(scene, spec);
+  header.samples_requested = 1;
+  header.light_samples = {MiddleOf(*scene.FindLight(spec.light_id))};
+  const auto threshold = [](float value) {
+    return value > 0 ? absl::StrFormat("%.9g", value) : "by the map";
+  };
+  const ShadowVolumeOptions options = OptionsOf(params);
+  const EdgeThresholds thresholds =
+      options.edges.thresholds.value_or(EdgeThresholds{.low = 0, .high = 0});
+  header.parameters = {
+      {"bias", absl::StrFormat("%.9g", params.bias)},
+      {"low_threshold", threshold(thresholds.low)},
+      {"high_threshold", threshold(thresholds.high)},
+      {"surface", std::string(NameOf(params.surface))},
+      {"volumes_of", std::string(NameOf(params.volumes_of))},
+      {"object_ids", params.object_ids ? "true" : "false"},
+  };
+  return header;
+}
+
+// What a pass adds.
+void SetPass(const ShadowVolumeMesh& mesh, uint32_t resolution, const std::string& drawn_by,
+             ArtifactHeader& header) {
+  header.parameters["resolution"] = absl::StrCat(resolution);
+  header.parameters["source"] = drawn_by;
+  header.parameters["edge_fraction"] = absl::StrFormat("%.4f", mesh.edge_fraction);
+  header.parameters.erase("warning");
+  if (mesh.edge_fraction <= kManyEdges) return;
+  header.parameters["warning"] = absl::StrFormat(
+      "there may be an edge at %.0f %% of all places in the light's maps, which "
+      "makes large meshes: raise low_threshold and high_threshold, or resolution "
+      "where the scene is finer than its map",
+      100 * mesh.edge_fraction);
+}
+
+}  // namespace
+
+absl::Status ShadowVolumes::Check(const Scene& scene, const ArtifactSpec& spec) const {
+  const auto status = CheckShadowVolumeOptions(OptionsOf(ParamsOf(spec)));
+  if (!status.ok()) return Within("shadow_volume.", status);
+  if (const auto target = CheckTarget(spec); !target.ok()) return target;
+  if (const auto budget = CheckTimeBudget(spec); !budget.ok()) return budget;
+  return CheckOneLight(scene, spec.light_id);
+}
+
+bool ShadowVolumes::NeedsGl(const ArtifactSpec& spec) const {
+  return ParamsOf(spec).source == DepthMethod::kGl;
+}
+
+absl::StatusOr<Artifact> ShadowVolumes::Compute(const Scene& scene, const ArtifactSpec& spec,
+                                                const ComputeContext& context) const {
+  if (const auto status = Check(scene, spec); !status.ok()) return status;
+  Stopwatch watch(context.now_ms);
+  Maker maker(scene, spec, context);
+  ArtifactHeader header = HeaderFor(scene, spec);
+  for (const uint32_t resolution :
+       MapPasses(ParamsOf(spec).resolution, context.progress != nullptr)) {
+    auto mesh = maker.Make(resolution);
+    if (!mesh.ok()) return Within("shadow_volume.", mesh.status());
+    SetPass(*mesh, resolution, maker.drawn_by(), header);
+    header.is_final = resolution == ParamsOf(spec).resolution;
+    Artifact artifact{.header = header, .payload = *std::move(mesh)};
+    artifact.header.timings_ms["compute"] = watch.ElapsedMs();
+    ++header.pass;
+    if (header.is_final) return artifact;
+    context.progress(std::move(artifact));
+  }
+  return absl::InternalError("no pass was the last");
+}
+
+}  // namespace penumbra

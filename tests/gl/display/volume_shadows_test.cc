@@ -1,0 +1,339 @@
+// Shadow volumes by the stencil, against the same mesh counted on the CPU and against rays; and
+// what pictures are made of them.
+#include "client/display/volume_shadows.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "render/light_view/auto_depth_source.h"
+#include "render/technique/shadow_volume/object_volumes.h"
+#include "render/technique/shadow_volume/shadow_volume_builder.h"
+#include "tests/gl/display/small_scenes.h"
+#include "tests/gl/display/software_context.h"
+#include "tests/gl/display/thin_renderer_fixture.h"
+#include "tests/support/pile_of_things.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/shapes.h"
+#include "tests/support/stencil_masks.h"
+#include "tests/support/volume_masks.h"
+
+namespace penumbra {
+namespace {
+
+using testing::Dice;
+using testing::EyeImage;
+using testing::MaskComparison;
+using testing::MeshOf;
+using testing::Placed;
+
+AreaLight PointAt(Vec3 place) {
+  return {.id = "light", .shape = PointLight{.position = place, .intensity = Vec3(100)}};
+}
+
+std::shared_ptr<const Scene> PileOnFloor() {
+  SceneDelta delta;
+  delta.upsert_instances = testing::PileOfThings();
+  delta.upsert_instances.push_back({.id = "floor",
+                                    .mesh = MeshOf(testing::UnitSquareGeometry()),
+                                    .world_from_mesh = Placed(Vec3(0), 5)});
+  return SceneOf(delta);
+}
+
+// The same with walls around.
+std::shared_ptr<const Scene> PileInRoom() {
+  SceneDelta delta;
+  delta.upsert_instances.push_back({.id = "walls",
+                                    .mesh = MeshOf(testing::UnitBoxGeometry()),
+                                    .world_from_mesh = Placed(Vec3(0, 1, 0), 4)});
+  return PileOnFloor()->Apply(delta).value();
+}
+
+EyeImage EyeAt(DVec3 from, DVec3 to, double near) {
+  return {.clip_from_world =
+              glm::perspective(1.0, 1.0, near, 100.0) * glm::lookAt(from, to, DVec3(0.1, 1, 0.2)),
+          .width = 160,
+          .height = 160,
+          .near = near};
+}
+
+class VolumeShadowsTest : public SoftwareContextTest {
+ protected:
+  ShadowVolumeMesh Build(const Scene& scene, const AreaLight& light,
+                         const ShadowVolumeOptions& options = {.resolution = 256}) {
+    AutoDepthSource source(scene, bvhs_, arena_);
+    return BuildShadowVolumes(scene, light, options, source, {}).value();
+  }
+  ShadowVolumeMesh BuildOfEach(const Scene& scene, const AreaLight& light,
+                               ObjectPrecision precision) {
+    const auto source_of = [this](const Scene& alone) {
+      return std::make_unique<AutoDepthSource>(alone, bvhs_, arena_);
+    };
+    return ObjectVolumes({.resolution = 256}, precision)
+        .Update(scene, light, source_of, {})
+        .value();
+  }
+
+  // From random eyes, every fourth towards the light, with near planes that cut much or little: calls
+  // take(eye, what it sees, what the stencil has).
+  template <typename Take>
+  void ForEachEye(const Scene& scene, const ShadowVolumeMesh& mesh, double reach, int eyes,
+                  const Take& take) {
+    testing::StencilMasks masks(*context_);
+    const auto lit = testing::WithLight(scene, mesh.light);
+    const auto artifact = testing::ArtifactOf(mesh);
+    const testing::EyeRays rays(scene);
+    Dice dice(71);
+    for (int i = 0; i < eyes; ++i) {
+      const DVec3 from = DVec3(0, 1, 0) + reach * DVec3(dice.InCube(1)) * DVec3(1, 0.6, 1);
+      const DVec3 to = i % 4 == 0 ? LightOf(mesh) : DVec3(dice.InCube(1.2f));
+      const EyeImage eye = EyeAt(from, to + DVec3(1e-3), i % 2 == 0 ? 0.02 : 0.4);
+      take(eye, rays, masks.MaskOf(*lit, artifact, eye));
+    }
+  }
+  static DVec3 LightOf(const ShadowVolumeMesh& mesh) {
+    return DVec3(std::get<PointLight>(mesh.light.shape).position);
+  }
+
+  // Against rays and, of all that they see, the same mesh's crossings counted on the CPU.
+  MaskComparison Compare(const Scene& scene, const ShadowVolumeMesh& mesh, double reach,
+                         size_t& not_as_cpu) {
+    MaskComparison sum;
+    ForEachEye(scene, mesh, reach, 12,
+               [&](const EyeImage& eye, const testing::EyeRays& rays, std::vector<uint8_t> drawn) {
+                 const testing::EyeView view = rays.See(eye, arena_);
+                 const std::vector<uint8_t> counted = testing::MaskOf(mesh, eye, view);
+                 for (size_t i = 0; i < drawn.size(); ++i) {
+                   not_as_cpu += view.inverse_depths[i] != 0 && drawn[i] != counted[i];
+                 }
+                 sum.Add(testing::CompareMasks({.rays = rays,
+                                                .mesh = mesh,
+                                                .eye = eye,
+                                                .light = DVec4(LightOf(mesh), 1),
+                                                .drawn = std::move(drawn)},
+                                               arena_));
+               });
+    return sum;
+  }
+
+  CasterBvhs bvhs_;
+  tbb::task_arena arena_{2};
+};
+
+TEST_F(VolumeShadowsTest, TheStencilHoldsTheParity) {
+  const auto scene = PileOnFloor();
+  for (const bool vectorizes : {false, true}) {
+    const auto mesh =
+        Build(*scene, PointAt(Vec3(1, 5, 2)), {.resolution = 256, .vectorizes = vectorizes});
+    size_t not_as_cpu = 0;
+    const MaskComparison masks = Compare(*scene, mesh, 4, not_as_cpu);
+    EXPECT_LT(not_as_cpu, masks.pixels / 500) << vectorizes;
+    EXPECT_LT(masks.not_as_rays, masks.pixels / 50) << vectorizes;
+    EXPECT_LE(masks.largest_astray, vectorizes ? 64u : 16u);
+  }
+}
+
+TEST_F(VolumeShadowsTest, SixViewsHaveNoCracksBetween) {
+  const auto scene = PileInRoom();
+  const auto mesh = Build(*scene, PointAt(Vec3(0.2f, 1.7f, -0.1f)));
+  ASSERT_EQ(mesh.volumes.at(0)->faces.size(), 6u);
+  size_t not_as_cpu = 0;
+  const MaskComparison masks = Compare(*scene, mesh, 1.5, not_as_cpu);
+  EXPECT_LT(not_as_cpu, masks.pixels / 500);
+  EXPECT_LT(masks.not_as_rays, masks.pixels / 50);
+  EXPECT_LE(masks.largest_astray, 16u);
+}
+
+TEST_F(VolumeShadowsTest, VolumesOfManyAreUnitedByCounting) {
+  const auto scene = PileOnFloor();
+  for (const auto precision : {ObjectPrecision::kNever, ObjectPrecision::kWhereItIsLess}) {
+    const auto mesh = BuildOfEach(*scene, PointAt(Vec3(1, 5, 2)), precision);
+    EXPECT_GT(mesh.volumes.size(), 10u);
+    size_t pixels = 0, not_as_cpu = 0, not_as_rays = 0;
+    ForEachEye(
+        *scene, mesh, 4, 8,
+        [&](const EyeImage& eye, const testing::EyeRays& rays, const std::vector<uint8_t>& drawn) {
+          const testing::EyeView view = rays.See(eye, arena_);
+          const auto counted = testing::MaskOf(mesh, eye, view);
+          const auto traced = rays.Shadow(view, DVec4(LightOf(mesh), 1), 1e-4f, arena_);
+          for (size_t i = 0; i < drawn.size(); ++i) {
+            if (view.inverse_depths[i] == 0) continue;
+            ++pixels;
+            not_as_cpu += drawn[i] != counted[i];
+            const DVec3 to_light = LightOf(mesh) - DVec3(view.points[i]);
+            const bool faces_it = glm::dot(to_light, DVec3(view.normals[i])) > 0;
+            not_as_rays += faces_it && drawn[i] != traced[i];
+          }
+        });
+    EXPECT_GT(pixels, 50'000u);
+    EXPECT_LT(not_as_cpu, pixels / 300);
+    EXPECT_LT(not_as_rays, pixels / 50);
+  }
+}
+
+TEST(VolumeTurnTest, PassesOfEachDirectionAreEvenlyApart) {
+  ShadowVolumeMesh mesh{.light = {.shape = DistantLight{.to_light = Vec3(0, 1, 0)}}};
+  LightView view{.from_infinity = true, .width = 64, .height = 64};
+  view.frame.axes = {DVec3(1, 0, 0), DVec3(0, 0, 1), DVec3(0, -1, 0)};
+  view.window = {.min = DVec2(0), .max = DVec2(64)};
+  mesh.volumes.push_back(
+      std::make_shared<ShadowVolume>(ShadowVolume{.faces = {{.map = {.view = view}}}}));
+  for (const int passes : {2, 7, 16, 64}) {
+    std::set<int> along_x, along_z;
+    for (int pass = 0; pass < passes; ++pass) {
+      const DVec4 moved = VolumeTurn(mesh, pass, passes) * DVec4(0, 0, 0, 1);
+      EXPECT_LT(std::abs(moved.x), 0.5);
+      EXPECT_LT(std::abs(moved.z), 0.5);
+      along_x.insert(static_cast<int>(std::floor((moved.x + 0.5) * passes)));
+      along_z.insert(static_cast<int>(std::floor((moved.z + 0.5) * passes)));
+    }
+    EXPECT_EQ(along_x.size(), static_cast<size_t>(passes));
+    EXPECT_EQ(along_z.size(), static_cast<size_t>(passes));
+  }
+  EXPECT_EQ(VolumeTurn(mesh, 0, 1), DMat4(1.0));
+}
+
+// A wall in the plane z = 0 with a card before its left half, and lights far before both.
+class VolumePictureTest : public VolumeShadowsTest {
+ protected:
+  static constexpr float kAmbient = 0.25f;
+
+  void SetUp() override {
+    VolumeShadowsTest::SetUp();
+    renderer_ = ThinRenderer::Create(*context_).value();
+  }
+
+  static SceneDelta Wall(const std::vector<Vec3>& lights) {
+    SceneDelta delta;
+    delta.upsert_instances = {Card("wall", Vec3(1), 0, 3), Card("card", Vec3(1), 0.5f, 0.3f)};
+    for (size_t i = 0; i < lights.size(); ++i) {
+      AreaLight light = PointAt(lights[i]);
+      light.id += std::to_string(i);
+      delta.upsert_lights.push_back(light);
+    }
+    return delta;
+  }
+  std::vector<std::shared_ptr<const Artifact>> Artifacts(const Scene& scene) {
+    std::vector<std::shared_ptr<const Artifact>> artifacts;
+    for (const auto& [id, light] : scene.lights()) {
+      Artifact artifact{.header = {.light_id = id}, .payload = Build(scene, *light)};
+      artifacts.push_back(std::make_shared<Artifact>(std::move(artifact)));
+    }
+    return artifacts;
+  }
+  Picture Draw(const Scene& scene, const std::vector<std::shared_ptr<const Artifact>>& artifacts,
+               const VolumeLook& look = {}, float clip_radiance = 1e30f) {
+    RenderOptions options = kSquare;
+    options.ambient = Vec3(kAmbient);
+    options.volume_look = look;
+    options.clip_radiance = clip_radiance;
+    const auto picture = renderer_->Render(*context_, scene, artifacts, kFront, options);
+    EXPECT_TRUE(picture.ok()) << picture.status();
+    return *picture;
+  }
+
+  std::unique_ptr<ThinRenderer> renderer_;
+};
+
+// The light from the left puts the card's shadow to the right of it, where the eye sees the wall.
+constexpr Vec3 kLeft(-3, 0, 4), kRight(3, 0, 4);
+constexpr int kMiddle = 32, kInShadow = 49, kLit = 4;
+
+TEST_F(VolumePictureTest, ShadingsOfShadows) {
+  const auto scene = SceneOf(Wall({kLeft}));
+  const auto artifacts = Artifacts(*scene);
+  const Picture plain = Draw(*scene, {});
+  const float lit = plain.At(kLit, kMiddle).x, unshadowed = plain.At(kInShadow, kMiddle).x;
+  ASSERT_GT(lit, 2 * kAmbient);
+  const Picture ambient = Draw(*scene, artifacts);
+  EXPECT_NEAR(ambient.At(kLit, kMiddle).x, lit, 1e-5f * lit);
+  EXPECT_NEAR(ambient.At(kInShadow, kMiddle).x, kAmbient, 1e-6f);
+  const Picture half =
+      Draw(*scene, artifacts, {.shading = VolumeShading::kComposited, .opacity = 0.4f});
+  EXPECT_NEAR(half.At(kLit, kMiddle).x, lit, 1e-5f * lit);
+  EXPECT_NEAR(half.At(kInShadow, kMiddle).x, 0.6f * unshadowed, 1e-5f * unshadowed);
+  const Picture black = Draw(*scene, artifacts, {.shading = VolumeShading::kBlack});
+  EXPECT_NEAR(black.At(kLit, kMiddle).x, lit, 1e-5f * lit);
+  EXPECT_EQ(black.At(kInShadow, kMiddle).x, 0.0f);
+  for (const Picture* picture : {&ambient, &half, &black}) {
+    for (const Vec4& pixel : picture->pixels) EXPECT_EQ(pixel.w, 1.0f);
+  }
+}
+
+TEST_F(VolumePictureTest, LightsAddUp) {
+  const auto scene = SceneOf(Wall({kLeft, kRight}));
+  const Picture picture = Draw(*scene, Artifacts(*scene));
+  const Picture left = Draw(*SceneOf(Wall({kLeft})), {});
+  const Picture right = Draw(*SceneOf(Wall({kRight})), {});
+  EXPECT_NEAR(picture.At(kInShadow, kMiddle).x, right.At(kInShadow, kMiddle).x, 1e-5f);
+  const int mirrored = 63 - kInShadow;
+  EXPECT_NEAR(picture.At(mirrored, kMiddle).x, left.At(mirrored, kMiddle).x, 1e-5f);
+  const Vec4 both = left.At(kMiddle, 2) + right.At(kMiddle, 2) - Vec4(kAmbient);
+  EXPECT_NEAR(picture.At(kMiddle, 2).x, both.x, 1e-5f);
+  // What is added up is cut as one.
+  const Picture cut = Draw(*scene, Artifacts(*scene), {}, 0.9f * both.x);
+  EXPECT_NEAR(cut.At(kMiddle, 2).x, 0.9f * both.x, 1e-6f);
+}
+
+TEST_F(VolumePictureTest, PassesSmoothEdges) {
+  const auto scene = SceneOf(Wall({kLeft}));
+  const auto artifacts = Artifacts(*scene);
+  const auto shadow_of = [&](int passes, std::set<int>& levels) {
+    const Picture picture = Draw(*scene, artifacts, {.passes = passes});
+    const Picture plain = Draw(*scene, {});
+    double sum = 0;
+    for (size_t i = 0; i < picture.pixels.size(); ++i) {
+      const double light = plain.pixels[i].x - kAmbient;
+      const double part = light > 0 ? (picture.pixels[i].x - kAmbient) / light : 0;
+      levels.insert(static_cast<int>(std::lround(16 * part)));
+      sum += part;
+    }
+    return sum;
+  };
+  std::set<int> few, many;
+  const double hard = shadow_of(1, few), smooth = shadow_of(16, many);
+  EXPECT_GT(many.size(), few.size());
+  EXPECT_NEAR(smooth, hard, 0.02 * hard);
+}
+
+TEST_F(VolumePictureTest, WhatDoesNotReceiveStaysLit) {
+  SceneDelta delta = Wall({kLeft});
+  delta.upsert_instances[0].receives = false;
+  const auto scene = SceneOf(delta);
+  const Picture picture = Draw(*scene, Artifacts(*scene)), plain = Draw(*scene, {});
+  const float lit = plain.At(kInShadow, kMiddle).x;
+  EXPECT_NEAR(picture.At(kInShadow, kMiddle).x, lit, 1e-5f * lit);
+}
+
+TEST_F(VolumePictureTest, GivesWayToOtherArtifactsOfTheLight) {
+  SceneDelta delta = Wall({kLeft});
+  delta.upsert_receivers = {
+      {.id = "patch",
+       .shape = Parallelogram{
+           .origin = Vec3(-3, -3, 0), .edge_u = Vec3(6, 0, 0), .edge_v = Vec3(0, 6, 0)}}};
+  const auto scene = SceneOf(delta);
+  auto artifacts = Artifacts(*scene);
+  artifacts.push_back(
+      ArtifactOf(*scene, "light0", "patch", 1, [](uint32_t, uint32_t) { return 1; }));
+  const Picture picture = Draw(*scene, artifacts), plain = Draw(*scene, {});
+  EXPECT_NEAR(picture.At(kInShadow, kMiddle).x, plain.At(kInShadow, kMiddle).x, 1e-3f);
+}
+
+TEST_F(VolumePictureTest, WrongLooksAreRefused) {
+  const auto scene = SceneOf(Wall({kLeft}));
+  for (const VolumeLook& look : {VolumeLook{.passes = 0}, VolumeLook{.passes = 65},
+                                 VolumeLook{.opacity = -0.1f}, VolumeLook{.opacity = NAN}}) {
+    RenderOptions options = kSquare;
+    options.volume_look = look;
+    EXPECT_EQ(renderer_->Render(*context_, *scene, {}, kFront, options).status().code(),
+              absl::StatusCode::kInvalidArgument);
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
