@@ -52,8 +52,8 @@ class FinitePlaces {
     }
   }
 
-  // Appends the triangle's corners, three a triangle. Where light is parallel all that is infinitely
-  // far is one point, and a triangle that reaches there a strip.
+  // Appends the triangle's corners, three a triangle. Where light is parallel all that is
+  // infinitely far is one point, and a triangle that reaches there a strip.
   void Add(const std::array<Vec4, 3>& triangle, std::vector<Vec3>& corners) const {
     if (!IsParallel()) {
       for (const Vec4& v : triangle) corners.push_back(Place(v));

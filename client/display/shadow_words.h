@@ -52,8 +52,8 @@ struct LightShadow {
   uint32_t height = 0;
   uint32_t first_word = 0;  // one a pixel: a float, below 0 where there is none
   uint32_t is_share = 0;    // 1: of the light that is seen; 0: of its strength that is reflected
-  // Shadow volumes, which are drawn, so that a shader need not find anything in them.
-  uint32_t has_volumes = 0;
+  // Of the k-th light: the one that is drawn in the k-th place.
+  uint32_t drawn_light = 0;
   uint32_t unused[3] = {0, 0, 0};
 };
 

@@ -15,7 +15,7 @@ struct LightShadow {
   uvec4 widths;  // first face, faces, c_scale, c_bias
   mat4 pixel_from_world;
   uvec4 picture;  // width, height, first word, whether it has shares
-  uvec4 volumes;  // whether there are any
+  uvec4 drawn_light;
 };
 struct LightFace {
   vec4 origin;
@@ -105,7 +105,7 @@ float VisibilityOnFace(LightFace face, uint samples, float pixels, PlaneOnImage 
   return weights > 0.0 ? seen / (weights * float(samples)) : 1.0;
 }
 
-bool HasVolumes(int light) { return light_shadows[light].volumes.x != 0u; }
+int DrawnLight(int place) { return int(light_shadows[place].drawn_light.x); }
 
 bool HasLayers(int light) { return light_shadows[light].layers.y > 0u; }
 

@@ -15,13 +15,13 @@ struct ShadowWordBindings {
 
 // GLSL that declares, with lights by their index,
 //
+//   int DrawnLight(int place)                              the light that is drawn in that place
 //   bool HasLayers(int light)
 //   float LayerVisibility(int light, vec3 point, vec3 n)   by the layers alone: at most
 //                                                          LightAbovePlane() of it can be right
 //   bool HasWidths(int light)
 //   float WidthVisibility(int light, vec3 point, vec3 n)   by the shadow-width map alone, likewise
 //   bool FindInPicture(int light, vec3 at_center, vec3 inside, out float value)
-//   bool HasVolumes(int light)                             whether its shadow volumes are drawn
 //   bool HasShares(int light)                              whether that value is of the light seen,
 //                                                          or of its strength reflected
 std::string ShadowWordsGlsl(const ShadowWordBindings& bindings);

@@ -78,8 +78,11 @@ uniform float clip_radiance;
 uniform bool culls_back_faces;
 uniform bool has_vertex_normals;
 uniform bool receives;
-uniform int light_count;
-uniform int drawn_lights;  // one of them alone, or below 0 as the constants say
+// Of the order that DrawnLight() has. Mesa's software device runs all of a loop's body for lights that it
+// skips, so that none are.
+uniform int first_light;
+uniform int end_light;
+uniform bool adds_ambient;
 uniform uint first_candidate;
 uniform uint end_candidate;
 
@@ -125,9 +128,10 @@ float ShareOn(uint code, vec3 position, vec3 n) {
 float ShareAbove(float seen, float most) { return most > 0.0 ? min(1.0, seen / most) : 0.0; }
 
 vec3 Shade(vec3 position, vec3 face_normal, vec3 n) {
-  vec3 sum = drawn_lights < 0 ? ambient : vec3(0.0);
+  vec3 sum = adds_ambient ? ambient : vec3(0.0);
   uint next = first_candidate;
-  for (int i = 0; i < light_count; ++i) {
+  for (int k = first_light; k < end_light; ++k) {
+    int i = DrawnLight(k);
     int best = 0;
     uint chosen = 0u;
     for (; next < end_candidate && candidates[next].x == uint(i); ++next) {
@@ -138,8 +142,6 @@ vec3 Shade(vec3 position, vec3 face_normal, vec3 n) {
         chosen = candidates[next].y;
       }
     }
-    if (drawn_lights >= 0 && i != drawn_lights) continue;
-    if (drawn_lights == kLightsWithoutVolumes && HasVolumes(i)) continue;
     float share = 1.0, value;
     if (FindInPicture(i, position_at_center, position_inside, value)) {
       share = HasShares(i) ? ShareAbove(value, LightAbovePlane(lights[i], position, face_normal))
@@ -199,8 +201,7 @@ gl::ProgramSource SurfaceProgram(const std::string& shadow_words_glsl) {
                                    VisibilityGlsl(kCountsBinding), FaceGlsl(),
                                    absl::Substitute(kSurfaceGlsl, kLightsBinding, kReceiversBinding,
                                                     kCandidatesBinding, kMaskUnit, kIsTheReceiver,
-                                                    kIsPartOfIt, kIsTheReceiver | kIsPartOfIt)),
-          .constants = gl::GlslConstant("kLightsWithoutVolumes", kLightsWithoutVolumes)};
+                                                    kIsPartOfIt, kIsTheReceiver | kIsPartOfIt))};
 }
 
 gl::ProgramSource GlowProgram() {

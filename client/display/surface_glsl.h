@@ -22,10 +22,6 @@ inline constexpr ShadowWordBindings kShadowWordBindings = {
 // Texture unit of the alpha mask.
 inline constexpr int kMaskUnit = 0;
 
-// Which lights a surface is drawn with, besides one by its index.
-inline constexpr int kEveryLight = -1;
-inline constexpr int kLightsWithoutVolumes = -2;
-
 // Set in a candidate's receiver index when the surface is the receiver, whatever its place says.
 inline constexpr uint32_t kIsTheReceiver = 0x80000000u;
 // Set when the receiver is one of the surface's own faces: then a point on it that no texel's centre

@@ -36,7 +36,7 @@ absl::Status SurfacePainter::Bind(gl::Context& context) {
   return absl::OkStatus();
 }
 
-void SurfacePainter::SetFrame(gl::Context& context, const DrawList& list, const Camera& camera,
+void SurfacePainter::SetFrame(gl::Context& context, const Camera& camera,
                               const SurfaceFrame& frame) {
   for (gl::Program* program : {&*surface_, &*glow_}) {
     program->Set(context, "eye", camera.eye);
@@ -44,7 +44,6 @@ void SurfacePainter::SetFrame(gl::Context& context, const DrawList& list, const 
   }
   surface_->Set(context, "ambient", frame.ambient);
   surface_->Set(context, "culls_back_faces", frame.culls_back_faces ? 1 : 0);
-  surface_->Set(context, "light_count", static_cast<int>(list.lights.size()));
 }
 
 void SurfacePainter::EndFrame() {
@@ -66,7 +65,9 @@ void SurfacePainter::SetItem(gl::Context& context, const DrawItem& item, const G
     program.Set(context, "two_sided", item.two_sided ? 1 : 0);
     return;
   }
-  program.Set(context, "drawn_lights", pass.lights);
+  program.Set(context, "first_light", pass.first_light);
+  program.Set(context, "end_light", pass.end_light);
+  program.Set(context, "adds_ambient", pass.adds_ambient ? 1 : 0);
   program.Set(context, "color", item.color);
   program.Set(context, "has_vertex_normals", mesh.has_normals ? 1 : 0);
   program.Set(context, "alpha_cutoff", item.alpha_cutoff);

@@ -2,7 +2,7 @@
 //
 //   SurfacePainter painter(SurfaceProgram());
 //   status = painter.Bind(context);
-//   painter.SetFrame(context, list, camera, {.ambient = ambient});
+//   painter.SetFrame(context, camera, {.ambient = ambient});
 //   for (const DrawItem& item : list.items) status = painter.Draw(context, item, pass);
 //   painter.EndFrame();
 #pragma once
@@ -32,9 +32,9 @@ struct SurfaceFrame {
 struct SurfacePass {
   DMat4 clip_from_world{1.0};
   gl::Framebuffer& target;
-  // An index of DrawList::lights: that light's share alone; or kEveryLight, kLightsWithoutVolumes,
-  // ambient light with them.
-  int lights = kEveryLight;
+  // Places in the order of lights (WordPool::Update); past the last.
+  int first_light = 0, end_light = 0;
+  bool adds_ambient = true;
   gl::DepthTest depth_test = gl::DepthTest::kNearer;
   gl::Combine combine = gl::Combine::kReplace;
 };
@@ -49,8 +49,7 @@ class SurfacePainter {
   // Errors  kInternal: the driver does not take the shaders
   absl::Status Bind(gl::Context& context);
 
-  void SetFrame(gl::Context& context, const DrawList& list, const Camera& camera,
-                const SurfaceFrame& frame);
+  void SetFrame(gl::Context& context, const Camera& camera, const SurfaceFrame& frame);
   // Errors  kResourceExhausted: GPU memory
   absl::Status Draw(gl::Context& context, const DrawItem& item, const SurfacePass& pass);
   void EndFrame();

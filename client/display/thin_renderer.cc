@@ -16,7 +16,6 @@
 #include "client/display/word_pool.h"
 #include "render/gl/framebuffer.h"
 #include "render/scene/field_error.h"
-#include "render/scene/unoccluded_light.h"
 
 namespace penumbra {
 namespace {
@@ -88,8 +87,9 @@ class ThinRenderer::Impl {
                           Picture& picture);
   absl::Status DrawItems(gl::Context& context, const Frame& frame, const SurfacePass& pass);
   absl::Status ShadeByVolumes(gl::Context& context, const Frame& frame, const DMat4& tile_from_clip,
-                              uint32_t light);
+                              size_t number);
   absl::Status EnsureTarget(gl::Context& context, int side);
+  size_t WithoutVolumes() const { return volumes_.order().size() - volumes_.lights().size(); }
 
   uint64_t context_serial_ = 0;
   std::optional<gl::Framebuffer> target_;
@@ -137,9 +137,8 @@ absl::Status ThinRenderer::Impl::Prepare(gl::Context& context, const Camera& cam
   const DrawList& list = frame.list;
   if (absl::Status status = volumes_.Update(context, list, camera); !status.ok()) return status;
   if (absl::Status status = counts_.Update(context, list); !status.ok()) return status;
-  if (absl::Status status = words_.Update(context, list, camera, volumes_.lights()); !status.ok()) {
-    return status;
-  }
+  absl::Status status = words_.Update(context, list, camera, volumes_.order());
+  if (!status.ok()) return status;
   auto lights = Upload(context, list.lights);
   auto receivers = Upload(context, list.receivers);
   auto candidates = Upload(context, list.candidates);
@@ -156,7 +155,7 @@ absl::Status ThinRenderer::Impl::Prepare(gl::Context& context, const Camera& cam
   frame.candidates = *std::move(candidates);
   // What is added up light by light is cut once it is all there.
   const bool adds_up = !volumes_.lights().empty();
-  painter_.SetFrame(context, list, camera,
+  painter_.SetFrame(context, camera,
                     {.ambient = frame.options.ambient,
                      .clip_radiance = adds_up ? std::numeric_limits<float>::infinity()
                                               : frame.options.clip_radiance,
@@ -164,11 +163,11 @@ absl::Status ThinRenderer::Impl::Prepare(gl::Context& context, const Camera& cam
   return volumes_.Aim(context, frame.clip_from_world, frame.options.volume_look.passes);
 }
 
-// Those in sight. A pass of one light draws over surfaces that are there, so that nothing glows, and
-// where nothing is received all of it arrives.
+// Those in sight. A pass of one light draws over surfaces that are there, so that nothing glows,
+// and where nothing is received all of it arrives.
 absl::Status ThinRenderer::Impl::DrawItems(gl::Context& context, const Frame& frame,
                                            const SurfacePass& pass) {
-  const bool is_one_light = pass.lights >= 0;
+  const bool is_one_light = !pass.adds_ambient;
   for (const DrawItem& item : frame.list.items) {
     if (is_one_light && item.glows) continue;
     if (IsOutside(pass.clip_from_world, item.bounds)) continue;
@@ -179,14 +178,15 @@ absl::Status ThinRenderer::Impl::DrawItems(gl::Context& context, const Frame& fr
   return absl::OkStatus();
 }
 
-// Alpha, which is 1 on all surfaces, is what part of the passes finds them lit, until it is 1 again.
+// Alpha, which is 1 on all surfaces, is what part of the passes finds them lit, until it is 1
+// again.
 absl::Status ThinRenderer::Impl::ShadeByVolumes(gl::Context& context, const Frame& frame,
-                                                const DMat4& tile_from_clip, uint32_t light) {
+                                                const DMat4& tile_from_clip, size_t number) {
   const VolumeLook& look = frame.options.volume_look;
   const float opacity = look.shading == VolumeShading::kComposited ? look.opacity : 1.0f;
   const Vec4 taken(0, 0, 0, opacity / static_cast<float>(look.passes));
   for (int pass = 0; pass < look.passes; ++pass) {
-    volumes_.Mark(context, *target_, tile_from_clip, light, pass);
+    volumes_.Mark(context, *target_, tile_from_clip, volumes_.lights()[number], pass);
     sheet_->Draw(context, *target_, taken,
                  {.combine = gl::Combine::kTakeFromAlpha, .stencil = gl::Stencil::kWhereIsSet});
   }
@@ -195,10 +195,13 @@ absl::Status ThinRenderer::Impl::ShadeByVolumes(gl::Context& context, const Fram
     sheet_->Draw(context, *target_, whole, {.combine = gl::Combine::kMultiplyByAlpha});
     return absl::OkStatus();
   }
+  const auto place = static_cast<int>(WithoutVolumes() + number);
   const absl::Status status = DrawItems(context, frame,
                                         {.clip_from_world = tile_from_clip * frame.clip_from_world,
                                          .target = *target_,
-                                         .lights = static_cast<int>(light),
+                                         .first_light = place,
+                                         .end_light = place + 1,
+                                         .adds_ambient = false,
                                          .depth_test = gl::DepthTest::kEqual,
                                          .combine = gl::Combine::kAddColorTimesAlpha});
   sheet_->Draw(context, *target_, whole, {.combine = gl::Combine::kReplaceAlpha});
@@ -211,13 +214,13 @@ absl::Status ThinRenderer::Impl::RenderTile(gl::Context& context, const Frame& f
   const DMat4 tile_from_clip = TileFromClip(tile, options.width, options.height);
   const bool adds = options.volume_look.shading == VolumeShading::kAmbient;
   target_->Clear(context, Vec4(0));
-  absl::Status status = DrawItems(context, frame,
-                                  {.clip_from_world = tile_from_clip * frame.clip_from_world,
-                                   .target = *target_,
-                                   .lights = adds ? kLightsWithoutVolumes : kEveryLight});
-  for (const uint32_t light : volumes_.lights()) {
-    if (!status.ok()) return status;
-    status = ShadeByVolumes(context, frame, tile_from_clip, light);
+  absl::Status status = DrawItems(
+      context, frame,
+      {.clip_from_world = tile_from_clip * frame.clip_from_world,
+       .target = *target_,
+       .end_light = static_cast<int>(adds ? WithoutVolumes() : frame.list.lights.size())});
+  for (size_t number = 0; number < volumes_.lights().size() && status.ok(); ++number) {
+    status = ShadeByVolumes(context, frame, tile_from_clip, number);
   }
   if (!status.ok()) return status;
   if (!volumes_.lights().empty()) {
@@ -280,23 +283,5 @@ absl::StatusOr<Picture> ThinRenderer::Render(
 }
 
 ThinRenderer::Uploads ThinRenderer::uploads() const { return impl_->uploads(); }
-
-Vec3 SuggestAmbient(const Scene& scene) {
-  constexpr float kShare =
-      0.06f;  // dark enough to leave shadows their shape, bright enough to see in
-  const Aabb bounds = scene.Bounds();
-  if (scene.lights().empty()) return Vec3(1);
-  const Vec3 center = bounds.empty() ? Vec3(0) : bounds.center();
-  Vec3 sum(0);
-  for (const auto& [id, light] : scene.lights()) {
-    Vec3 brightest(0);
-    for (const Vec3 n : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0),
-                         Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
-      brightest = glm::max(brightest, UnoccludedRadiance(*light, center, n));
-    }
-    sum += brightest;
-  }
-  return kShare * sum;
-}
 
 }  // namespace penumbra

@@ -37,10 +37,6 @@ struct RenderOptions {
   bool culls_back_faces = false;  // leave out faces that turn away, to look into a closed room
 };
 
-// Radiance that lifts what no light reaches out of black: a share of the light there is; 1 where
-// there is none at all.
-Vec3 SuggestAmbient(const Scene& scene);
-
 // Keeps meshes, masks and artifacts on the GPU from one picture to the next and uploads what is
 // new. All calls with contexts of one thread; after a context is lost, with the next one.
 class ThinRenderer {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
 #include <set>
 #include <span>
@@ -73,6 +72,22 @@ const LightView* FirstView(const ShadowVolumeMesh& mesh) {
   return nullptr;
 }
 
+// A turn by `angle` about an axis of length 1 through a point.
+DMat4 TurnAbout(DVec3 point, DVec3 axis, double angle) {
+  const auto turned = [&](DVec3 v) {
+    return std::cos(angle) * v + (1 - std::cos(angle)) * glm::dot(axis, v) * axis +
+           std::sin(angle) * glm::cross(axis, v);
+  };
+  return DMat4(DVec4(turned(DVec3(1, 0, 0)), 0), DVec4(turned(DVec3(0, 1, 0)), 0),
+               DVec4(turned(DVec3(0, 0, 1)), 0), DVec4(point - turned(point), 1));
+}
+
+DMat4 MoveBy(DVec3 way) {
+  DMat4 result(1.0);
+  result[3] = DVec4(way, 1);
+  return result;
+}
+
 // About the golden section of `passes`, or more, with no factor in common: its multiples are all
 // over [0, passes).
 int Stride(int passes, double part) {
@@ -93,7 +108,7 @@ DMat4 VolumeTurn(const ShadowVolumeMesh& mesh, int pass, int passes) {
   const Basis& axes = view->frame.axes;
   const DVec2 pixel = 1.0 / view->pixels_per_slope();
   if (view->from_infinity) {
-    return glm::translate(DMat4(1.0), rook.x * pixel.x * axes.s + rook.y * pixel.y * axes.t);
+    return MoveBy(rook.x * pixel.x * axes.s + rook.y * pixel.y * axes.t);
   }
   // A turn about t moves what is ahead along s. One about n as well, since light may shine all
   // around, and then s is ahead too.
@@ -101,9 +116,7 @@ DMat4 VolumeTurn(const ShadowVolumeMesh& mesh, int pass, int passes) {
       rook.x * pixel.x * axes.t + rook.y * pixel.y * axes.s + rook.z * pixel.x * axes.n;
   const double angle = glm::length(turn);
   if (!(angle > 0)) return DMat4(1.0);
-  const DVec3 center = LightExtent(mesh.light).center();
-  return glm::translate(glm::rotate(glm::translate(DMat4(1.0), center), angle, turn / angle),
-                        -center);
+  return TurnAbout(LightExtent(mesh.light).center(), turn / angle, angle);
 }
 
 void VolumeShadows::Clear() {
@@ -163,6 +176,11 @@ absl::Status VolumeShadows::Update(gl::Context& context, const DrawList& list,
     now.emplace(artifact.get(), *std::move(made));
   }
   uploaded_ = std::move(now);
+  order_.clear();
+  for (uint32_t light = 0; light < list.lights.size(); ++light) {
+    if (!last.contains(light)) order_.push_back(light);
+  }
+  order_.insert(order_.end(), lights_.begin(), lights_.end());
   if (lights_.empty() || program_) return absl::OkStatus();
   auto program = gl::Program::Create(context, {.vertex = kVertexGlsl, .fragment = kFragmentGlsl});
   if (!program.ok()) return program.status();

@@ -36,6 +36,8 @@ class VolumeShadows {
 
   // Lights with volumes, by their index in the list.
   const std::vector<uint32_t>& lights() const { return lights_; }
+  // All lights of the list: first those without volumes, then lights().
+  const std::vector<uint32_t>& order() const { return order_; }
 
   // Turns the volumes a little for each of the passes and finds what closes them.
   //
@@ -78,7 +80,7 @@ class VolumeShadows {
                                       const DMat4& clip_from_world, double near);
 
   std::optional<gl::Program> program_;
-  std::vector<uint32_t> lights_;
+  std::vector<uint32_t> lights_, order_;
   std::map<const Artifact*, Volumes> uploaded_;
   std::map<uint32_t, const Artifact*> of_light_;
   int64_t upload_count_ = 0;

@@ -45,15 +45,12 @@ WordPool::Chosen WordPool::Choose(const DrawList& list, const Camera& camera) {
 }
 
 absl::Status WordPool::Update(gl::Context& context, const DrawList& list, const Camera& camera,
-                              const std::vector<uint32_t>& with_volumes) {
+                              const std::vector<uint32_t>& order) {
   Chosen now = Choose(list, camera);
-  if (shadows_.size() > 0 && now == uploaded_ && list.lights.size() == light_count_ &&
-      with_volumes == with_volumes_) {
-    return absl::OkStatus();
-  }
+  if (shadows_.size() > 0 && now == uploaded_ && order == order_) return absl::OkStatus();
   ShadowWords words;
   std::vector<LightShadow> shadows(list.lights.size());
-  for (const uint32_t light : with_volumes) shadows[light].has_volumes = 1;
+  for (size_t place = 0; place < order.size(); ++place) shadows[place].drawn_light = order[place];
   for (const auto& [light, artifact] : now) {
     if (const auto* ldi = std::get_if<AttenuationLdi>(&artifact->payload)) {
       words.Append(*ldi, shadows[light]);
@@ -66,8 +63,7 @@ absl::Status WordPool::Update(gl::Context& context, const DrawList& list, const 
   if (auto status = Upload(context, std::move(words), std::move(shadows)); !status.ok()) {
     return status;
   }
-  light_count_ = list.lights.size();
-  with_volumes_ = with_volumes;
+  order_ = order;
   upload_count_ += static_cast<int64_t>(now.size());
   uploaded_ = std::move(now);
   return absl::OkStatus();

@@ -27,10 +27,10 @@ class WordPool {
 
   // Uploads those, unless it is what was uploaded last.
   //
-  // with_volumes  lights whose shadow volumes are drawn
-  // Errors        kResourceExhausted: more than one storage block holds, or no GPU memory
+  // order   all lights, in the order in which they are drawn; those with candidates are in theirs
+  // Errors  kResourceExhausted: more than one storage block holds, or no GPU memory
   absl::Status Update(gl::Context& context, const DrawList& list, const Camera& camera,
-                      const std::vector<uint32_t>& with_volumes);
+                      const std::vector<uint32_t>& order);
 
   // As shadow_words_glsl.h wants it, at the bindings of surface_glsl.h.
   void Bind(gl::Context& context) const;
@@ -42,8 +42,7 @@ class WordPool {
   absl::Status Upload(gl::Context& context, ShadowWords words, std::vector<LightShadow> shadows);
 
   gl::Buffer shadows_, faces_, words_;
-  size_t light_count_ = 0;
-  std::vector<uint32_t> with_volumes_;
+  std::vector<uint32_t> order_;
   Chosen uploaded_;  // held, so that their addresses stay their own
   int64_t upload_count_ = 0;
 };

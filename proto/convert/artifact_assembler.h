@@ -28,7 +28,8 @@ class ArtifactAssembler {
   // The update, once `message` completes it.
   //
   // Errors  those of FromProto, TexelAssembler, LdiTiles, WidthTiles and VolumeAssembler;
-  //         kDataLoss INCOMPLETE: a tile or a part is missing. The subscription cannot go on after one.
+  //         kDataLoss INCOMPLETE: a tile or a part is missing. The subscription cannot go on after
+  //         one.
   absl::StatusOr<std::optional<ArtifactUpdate>> Add(const v1::ArtifactUpdate& message);
 
   // What to acknowledge after a complete update.

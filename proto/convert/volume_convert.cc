@@ -5,7 +5,7 @@
 
 #include "proto/convert/light_convert.h"
 #include "render/scene/field_error.h"
-#include "render/technique/shadow_volume/shadow_volume_params.h"
+#include "render/technique/technique_params.h"
 
 namespace penumbra {
 namespace {

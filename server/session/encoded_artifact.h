@@ -34,8 +34,8 @@ struct EncodedArtifact {
   grpc::Slice header;
   uint64_t light_samples_changed_at = 0;
   grpc::Slice light_samples;
-  // Row by row, and then the parts of the mask, which travel like tiles. Of a shadow volume mesh all
-  // parts, volume by volume.
+  // Row by row, and then the parts of the mask, which travel like tiles. Of a shadow volume mesh
+  // all parts, volume by volume.
   std::vector<EncodedTile> tiles;
   // Of a shadow volume mesh: the names of its parts, one a tile, and where each volume's begin.
   std::vector<std::string> part_names;

@@ -34,7 +34,7 @@ bool HasWidths(int light) { return false; }
 float WidthVisibility(int light, vec3 point, vec3 n) { return 1.0; }
 bool FindInPicture(int light, vec3 at_center, vec3 inside, out float value) { return false; }
 bool HasShares(int light) { return true; }
-bool HasVolumes(int light) { return false; }
+int DrawnLight(int place) { return place; }
 )glsl";
 
 // One layer a pixel: a depth map.

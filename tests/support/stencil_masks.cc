@@ -58,7 +58,7 @@ std::vector<uint8_t> StencilMasks::MaskOf(const Scene& scene,
   const DrawList list = BuildDrawList(scene, std::span(&artifact, 1), /*draws_lights=*/false);
   OrDie(volumes_.Update(context_, list, Camera{}));
   OrDie(volumes_.Aim(context_, clip_from_world, 1));
-  painter_.SetFrame(context_, list, Camera{}, {});
+  painter_.SetFrame(context_, Camera{}, {});
   target_->Clear(context_, Vec4(0));
   for (const DrawItem& item : list.items) {
     OrDie(painter_.Draw(context_, item, {.clip_from_world = clip_from_world, .target = *target_}));

@@ -61,11 +61,17 @@ absl::StatusOr<ObjectVolumes::Kept> ObjectVolumes::MakeFromMap(const Instance& i
 }
 
 absl::StatusOr<ObjectVolumes::Kept> ObjectVolumes::Make(const Instance& instance,
+                                                        const ContentHash& content,
                                                         const Making& making) const {
-  if (IsObjectPrecise(instance, precision_)) {
-    return Kept{.volume = std::make_shared<ShadowVolume>(SilhouetteVolume(instance, making.light))};
-  }
-  return MakeFromMap(instance, making);
+  absl::StatusOr<Kept> kept =
+      IsObjectPrecise(instance, precision_)
+          ? absl::StatusOr<Kept>(Kept{
+                .volume = std::make_shared<ShadowVolume>(SilhouetteVolume(instance, making.light))})
+          : MakeFromMap(instance, making);
+  if (!kept.ok()) return kept;
+  kept->content = content;
+  if (kept->volume) kept->volume->instance_id = instance.id, kept->volume->content = content;
+  return kept;
 }
 
 absl::StatusOr<ShadowVolumeMesh> ObjectVolumes::Update(const Scene& scene, const AreaLight& light,
@@ -89,11 +95,9 @@ absl::StatusOr<ShadowVolumeMesh> ObjectVolumes::Update(const Scene& scene, const
         HashOfVolume(HashOfCaster(*instance, precision_, making.pitch), light, options_);
     Kept& kept = kept_[id];
     if (kept.content != content) {
-      auto made = Make(*instance, making);
+      auto made = Make(*instance, content, making);
       if (!made.ok()) return made.status();
       kept = *std::move(made);
-      kept.content = content;
-      if (kept.volume) kept.volume->instance_id = id, kept.volume->content = content;
       ++made_;
     }
     edge_fraction += kept.edge_fraction;

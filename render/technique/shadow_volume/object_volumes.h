@@ -42,8 +42,8 @@ class ObjectVolumes {
 
   // Volumes of all casters that the light sees, in the order of instances.
   //
-  // Errors  those of CheckShadowVolumeOptions, CheckVolumeTexels, `source_of` and DepthSource::Draw,
-  //         after which what was made is kept
+  // Errors  those of CheckShadowVolumeOptions, CheckVolumeTexels, `source_of` and
+  //         DepthSource::Draw, after which what was made is kept
   absl::StatusOr<ShadowVolumeMesh> Update(const Scene& scene, const AreaLight& light,
                                           const SourceOf& source_of, const std::stop_token& stop);
 
@@ -60,7 +60,8 @@ class ObjectVolumes {
 
   struct Making;
 
-  absl::StatusOr<Kept> Make(const Instance& instance, const Making& making) const;
+  absl::StatusOr<Kept> Make(const Instance& instance, const ContentHash& content,
+                            const Making& making) const;
   absl::StatusOr<Kept> MakeFromMap(const Instance& instance, const Making& making) const;
 
   const ShadowVolumeOptions options_;

@@ -39,8 +39,8 @@ ReconstructedVolume ReconstructVolume(std::vector<VolumeFace> faces,
 absl::StatusOr<std::vector<VolumeFace>> DrawFaces(std::span<const VolumeView> views,
                                                   DepthSource& source, const std::stop_token& stop);
 
-// Errors  kResourceExhausted QUOTA_VOLUME_TEXELS, at "resolution": with `so_far` the views have more
-//         than kMaxVolumeTexels
+// Errors  kResourceExhausted QUOTA_VOLUME_TEXELS, at "resolution": with `so_far` the views have
+//         more than kMaxVolumeTexels
 absl::Status CheckVolumeTexels(uint64_t so_far, std::span<const VolumeView> views);
 
 // Of a view, the numbers of the instances that its pixels show.

@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "client/display/surface_glsl.h"
-#include "client/display/thin_renderer.h"
+#include "client/display/tone.h"
 
 namespace penumbra {
 namespace {
