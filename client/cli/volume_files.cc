@@ -6,6 +6,7 @@
 #include <array>
 #include <assimp/Exporter.hpp>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <variant>
@@ -87,9 +88,10 @@ std::vector<Vec3> CornersOf(const ShadowVolume& volume, const FinitePlaces& plac
   for (size_t i = 0; i + 2 < volume.indices.size(); i += 3) {
     std::array<Vec4, 3> triangle;
     for (size_t k = 0; k < 3; ++k) triangle[k] = volume.vertices[volume.indices[i + k]];
-    // A weight below 0 is that of the other side.
-    if (!volume.weights.empty() && volume.weights[i / 3] < 0) std::swap(triangle[1], triangle[2]);
-    places.Add(triangle, corners);
+    // As often as it weighs; a weight below 0 is that of the other side.
+    const int weight = volume.weights.empty() ? 1 : volume.weights[i / 3];
+    if (weight < 0) std::swap(triangle[1], triangle[2]);
+    for (int k = 0; k < std::abs(weight); ++k) places.Add(triangle, corners);
   }
   return corners;
 }

@@ -21,7 +21,8 @@ absl::Status WriteNumbers(const std::filesystem::path& path, const ShadowVolumeM
 
 // The boundary as a mesh file: binary glTF (.glb), PLY (.ply) or OBJ (.obj). One object a volume,
 // in world space, named by its instance; what goes on without end is cut off at several times the
-// size of the scene. Triangles are seen counter-clockwise from the lit side.
+// size of the scene. Triangles are seen counter-clockwise from the lit side, and are there as often
+// as they weigh.
 //
 // Errors  kUnavailable: cannot be written
 absl::Status WriteBoundary(const std::filesystem::path& path, const ShadowVolumeMesh& mesh);

@@ -31,6 +31,10 @@ layout(location = 0) out vec4 pixel;
 void main() { pixel = vec4(0.0); }
 )glsl";
 
+// How far all passes of several are moved away from the light besides, in pixels' widths, so that
+// what is moved aside does not come out before the surface that light falls on.
+constexpr double kBack = 0.75;
+
 const ShadowVolumeMesh& MeshOf(const Artifact& artifact) {
   return std::get<ShadowVolumeMesh>(artifact.payload);
 }
@@ -72,11 +76,11 @@ const LightView* FirstView(const ShadowVolumeMesh& mesh) {
   return nullptr;
 }
 
-// A turn by `angle` about an axis of length 1 through a point.
-DMat4 TurnAbout(DVec3 point, DVec3 axis, double angle) {
+// A turn by `angle` about an axis of length 1 through a point, and away from there by a factor.
+DMat4 TurnAbout(DVec3 point, DVec3 axis, double angle, double factor) {
   const auto turned = [&](DVec3 v) {
-    return std::cos(angle) * v + (1 - std::cos(angle)) * glm::dot(axis, v) * axis +
-           std::sin(angle) * glm::cross(axis, v);
+    return factor * (std::cos(angle) * v + (1 - std::cos(angle)) * glm::dot(axis, v) * axis +
+                     std::sin(angle) * glm::cross(axis, v));
   };
   return DMat4(DVec4(turned(DVec3(1, 0, 0)), 0), DVec4(turned(DVec3(0, 1, 0)), 0),
                DVec4(turned(DVec3(0, 0, 1)), 0), DVec4(point - turned(point), 1));
@@ -107,16 +111,19 @@ DMat4 VolumeTurn(const ShadowVolumeMesh& mesh, int pass, int passes) {
   const DVec3 rook(place(1), place(Stride(passes, 0.618)), place(Stride(passes, 0.382)));
   const Basis& axes = view->frame.axes;
   const DVec2 pixel = 1.0 / view->pixels_per_slope();
+  const double back = kBack * std::max(pixel.x, pixel.y);
   if (view->from_infinity) {
-    return MoveBy(rook.x * pixel.x * axes.s + rook.y * pixel.y * axes.t);
+    const DVec3 away = -DVec3(std::get<DistantLight>(mesh.light.shape).to_light);
+    return MoveBy(rook.x * pixel.x * axes.s + rook.y * pixel.y * axes.t +
+                  back * glm::normalize(away));
   }
   // A turn about t moves what is ahead along s. One about n as well, since light may shine all
   // around, and then s is ahead too.
   const DVec3 turn =
       rook.x * pixel.x * axes.t + rook.y * pixel.y * axes.s + rook.z * pixel.x * axes.n;
   const double angle = glm::length(turn);
-  if (!(angle > 0)) return DMat4(1.0);
-  return TurnAbout(LightExtent(mesh.light).center(), turn / angle, angle);
+  const DVec3 axis = angle > 0 ? turn / angle : axes.n;
+  return TurnAbout(LightExtent(mesh.light).center(), axis, angle, 1 + back);
 }
 
 void VolumeShadows::Clear() {

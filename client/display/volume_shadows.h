@@ -88,7 +88,7 @@ class VolumeShadows {
 
 // World space to world space: how the volumes of a mesh are moved in one of several passes. Turned
 // about the light, or moved across its direction, by up to half a sample either way, such that the
-// passes of each direction are evenly apart (n rooks).
+// passes of each direction are evenly apart (n rooks); and a little away from the light.
 //
 // Source  McCool 2000, §8.3; departs: a turn moves all views of a light alike, and so opens no
 //         cracks between them, as shears would

@@ -63,8 +63,8 @@ struct ShadowVolumeMesh {
   float bias_px = 0.25f;
   // What lies in any of them is in shadow. None is null; meshes share those that did not change.
   std::vector<std::shared_ptr<const ShadowVolume>> volumes;
-  // Of the places between two samples, the part where an edge was found: much more than 0.1 tells
-  // of a scene finer than its map, or of thresholds too low.
+  // Of the places between two samples that see something, the part where an edge was found: much
+  // more than 0.1 tells of a scene finer than its map, or of thresholds too low.
   float edge_fraction = 0.0f;
 
   size_t triangle_count() const;

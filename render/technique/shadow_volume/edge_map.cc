@@ -80,6 +80,7 @@ bool Detector::IsMaximum(Gate gate, float second) const {
 
 bool Detector::IsSlope(Gate gate) const {
   const float here = Difference(gate, 0), most = kMostBend * std::abs(here);
+  if (std::isinf(here)) return false;  // from infinitely far to nothing
   const auto is_same = [&](int steps) { return std::abs(here - Difference(gate, steps)) <= most; };
   const bool before = is_same(-1), after = is_same(1);
   return (before && after) || (before && is_same(-2)) || (after && is_same(2));
@@ -206,7 +207,20 @@ EdgeMap::EdgeMap(const VolumeGrid& grid)
       end_x_(grid.has_cells() ? grid.end_cell_x() : 0),
       end_y_(grid.has_cells() ? grid.end_cell_y() : 0),
       right_(size_t{words_} * height_),
-      below_(size_t{words_} * height_) {}
+      below_(size_t{words_} * height_) {
+  const float nothing = grid.nothing();
+  for (uint32_t y = 0; y < height_; ++y) {
+    const float* const row = grid.Row(y);
+    const float* const next = grid.Row(y + 1 < height_ ? y + 1 : y);
+    uint32_t count = 0;
+    for (uint32_t x = 0; x + 1 < width_; ++x)
+      count += (row[x] != nothing) | (row[x + 1] != nothing);
+    for (uint32_t x = 0; x < width_ && next != row; ++x) {
+      count += (row[x] != nothing) | (next[x] != nothing);
+    }
+    place_count_ += count;
+  }
+}
 
 void EdgeMap::SetSide(uint32_t x, uint32_t y, int side) {
   const Gate gate = SidesOf(x, y)[static_cast<size_t>(side)];
@@ -228,8 +242,8 @@ size_t EdgeMap::flag_count() const {
 }
 
 double EdgeMap::fraction() const {
-  const double flags = (width_ - 1.0) * height_ + width_ * (height_ - 1.0);
-  return width_ == 0 || flags <= 0 ? 0.0 : static_cast<double>(flag_count()) / flags;
+  if (place_count_ == 0) return 0.0;
+  return static_cast<double>(flag_count()) / static_cast<double>(place_count_);
 }
 
 EdgeMap FindEdges(const VolumeGrid& grid, const EdgeOptions& options,

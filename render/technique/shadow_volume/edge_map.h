@@ -54,7 +54,7 @@ class EdgeMap {
     }
   }
 
-  // Flags that are set, of all that there are.
+  // Flags that are set, of those between two samples of which one sees something.
   double fraction() const;
   size_t flag_count() const;
 
@@ -75,6 +75,7 @@ class EdgeMap {
   uint32_t width_, height_, words_;
   uint32_t first_x_, first_y_, end_x_, end_y_;  // cells
   std::vector<uint64_t> right_, below_;
+  size_t place_count_ = 0;  // between two samples of which one sees something
 };
 
 // Flags are set where nearness differs by more than the high threshold, but within three such

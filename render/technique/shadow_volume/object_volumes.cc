@@ -100,16 +100,16 @@ absl::StatusOr<ShadowVolumeMesh> ObjectVolumes::Update(const Scene& scene, const
       kept = *std::move(made);
       ++made_;
     }
-    edge_fraction += kept.edge_fraction;
     if (kept.volume) {
       mesh.volumes.push_back(kept.volume);
       making.texels += kept.volume->sample_count();
+      edge_fraction += kept.edge_fraction * static_cast<double>(kept.volume->sample_count());
     }
     next[id] = kept;
   }
   kept_ = std::move(next);
-  if (!kept_.empty()) {
-    mesh.edge_fraction = static_cast<float>(edge_fraction / static_cast<double>(kept_.size()));
+  if (making.texels > 0) {
+    mesh.edge_fraction = static_cast<float>(edge_fraction / static_cast<double>(making.texels));
   }
   return mesh;
 }

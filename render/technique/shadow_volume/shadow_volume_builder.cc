@@ -81,7 +81,7 @@ absl::StatusOr<ShadowVolumeMesh> BuildShadowVolumes(const Scene& scene, const Ar
   auto faces = DrawFaces(views, source, stop);
   if (!faces.ok()) return faces.status();
   std::vector<std::vector<uint32_t>> ids;
-  for (size_t i = 0; instances_of && i < faces->size(); ++i) {
+  for (size_t i = 0; options.has_instance_edges && i < faces->size(); ++i) {
     auto seen = instances_of((*faces)[i].map.view);
     if (!seen.ok()) return seen.status();
     ids.push_back(*std::move(seen));

@@ -49,7 +49,7 @@ using InstancesOf = std::function<absl::StatusOr<std::vector<uint32_t>>(const Li
 // One volume of all of the scene's casters; none where the light sees nothing of them.
 //
 // source        draws `scene`
-// instances_of  null: edges are told by depth alone
+// instances_of  needed where options.has_instance_edges
 // Errors        those of CheckShadowVolumeOptions, CheckVolumeTexels, `instances_of` and
 //               DepthSource::Draw
 absl::StatusOr<ShadowVolumeMesh> BuildShadowVolumes(const Scene& scene, const AreaLight& light,

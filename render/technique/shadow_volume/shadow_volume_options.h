@@ -14,6 +14,7 @@ namespace penumbra {
 struct ShadowVolumeOptions {
   uint32_t resolution = 512;  // samples along the longer side of a view; along each of six
   EdgeOptions edges;
+  bool has_instance_edges = false;  // an edge too where the light sees another instance
   // Lines instead of samples' sides; `reconstruction` does not matter then.
   bool vectorizes = false;
   Reconstruction reconstruction = Reconstruction::kTemplate;

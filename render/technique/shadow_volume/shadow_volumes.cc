@@ -26,8 +26,8 @@ namespace {
 constexpr float kHighOverLow = 4.0f;
 
 // Of the places between samples, the part that may have an edge before someone should know: a map
-// of a scene that is not finer than it has a tenth of that.
-constexpr float kManyEdges = 0.25f;
+// of a scene that is not finer than it has a fifth of that.
+constexpr float kManyEdges = 0.2f;
 
 const ShadowVolumeParams& ParamsOf(const ArtifactSpec& spec) {
   return std::get<ShadowVolumeParams>(spec.params);
@@ -44,6 +44,7 @@ ShadowVolumeOptions OptionsOf(const ShadowVolumeParams& params) {
     }
     options.edges.thresholds = thresholds;
   }
+  options.has_instance_edges = params.object_ids;
   options.vectorizes = params.surface == VolumeSurface::kLines;
   if (params.surface == VolumeSurface::kFixed) options.reconstruction = Reconstruction::kFixedMesh;
   if (params.surface == VolumeSurface::kAll) options.reconstruction = Reconstruction::kAllCells;
@@ -95,12 +96,9 @@ class Maker {
   absl::StatusOr<ShadowVolumeMesh> MakeOfAll(const ShadowVolumeOptions& options) {
     const auto source = SourceOf(scene_);
     if (!source.ok()) return source.status();
-    InstancesOf instances_of;
-    if (params_.object_ids) {
-      instances_of = [this](const LightView& view) {
-        return RayDepthSource(bvhs_.Of(scene_), context_.arena).InstancesIn(view, context_.stop);
-      };
-    }
+    const auto instances_of = [this](const LightView& view) {
+      return RayDepthSource(bvhs_.Of(scene_), context_.arena).InstancesIn(view, context_.stop);
+    };
     auto mesh = BuildShadowVolumes(scene_, light_, options, **source, context_.stop, instances_of);
     drawn_by_ = (*source)->drawn_by();
     return mesh;

@@ -18,6 +18,7 @@ ContentHash HashOfVolume(const ContentHash& casters, const AreaLight& light,
   bytes.Put(thresholds.second);
   bytes.Put(thresholds.dangling);
   bytes.Put(options.edges.follows_dangling);
+  bytes.Put(options.has_instance_edges);
   bytes.Put(options.vectorizes);
   bytes.Put(static_cast<uint32_t>(options.reconstruction));
   bytes.Put(options.bias_px);

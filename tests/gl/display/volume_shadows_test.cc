@@ -187,6 +187,7 @@ TEST(VolumeTurnTest, PassesOfEachDirectionAreEvenlyApart) {
       const DVec4 moved = VolumeTurn(mesh, pass, passes) * DVec4(0, 0, 0, 1);
       EXPECT_LT(std::abs(moved.x), 0.5);
       EXPECT_LT(std::abs(moved.z), 0.5);
+      EXPECT_LT(moved.y, 0.0);
       along_x.insert(static_cast<int>(std::floor((moved.x + 0.5) * passes)));
       along_z.insert(static_cast<int>(std::floor((moved.z + 0.5) * passes)));
     }

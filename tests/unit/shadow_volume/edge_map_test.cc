@@ -47,6 +47,21 @@ TEST(EdgeMapTest, PlainThresholdsMarkWhatIsAboveThem) {
   }
 }
 
+// All around a square of 8 samples that has nothing behind it, or something far off.
+TEST(EdgeMapTest, OutlinesAgainstNothingAreEdgesFromAnywhere) {
+  for (const bool from_infinity : {false, true}) {
+    for (const float behind : {kNoDepth, 50.0f}) {
+      const VolumeGrid grid =
+          GridOf(MapOf(SomeView(20, 20, from_infinity), [&](uint32_t x, uint32_t y) {
+            return x >= 6 && x < 14 && y >= 6 && y < 14 ? 3.0f : behind;
+          }));
+      const size_t around_it = 4 * 8, around_all = behind == kNoDepth ? 0 : 4 * 20;
+      EXPECT_EQ(FindEdges(grid, {}).flag_count(), around_it + around_all)
+          << from_infinity << " " << behind;
+    }
+  }
+}
+
 TEST(EdgeMapTest, CellsAreVisitedOnceEachInTheirOrder) {
   Dice dice(8);
   const VolumeGrid grid = GridOf(RandomMap(dice, SomeView(140, 20, false), 0.05f));
@@ -133,7 +148,7 @@ TEST(EdgeMapTest, OtherObjectsAreEdges) {
   }
 }
 
-TEST(EdgeMapTest, FractionIsOfAllFlags) {
+TEST(EdgeMapTest, FractionIsOfPlacesThatSeeSomething) {
   const VolumeGrid none =
       GridOf(MapOf(SomeView(8, 8, false), [](uint32_t, uint32_t) { return kNoDepth; }));
   EXPECT_EQ(FindEdges(none, {}).fraction(), 0.0);
@@ -142,7 +157,7 @@ TEST(EdgeMapTest, FractionIsOfAllFlags) {
   // All but those between samples of the ring.
   const EdgeMap all = FindEdges(grid, {.thresholds = EdgeThresholds{.low = 0, .high = 0}});
   EXPECT_EQ(all.flag_count(), 2u * 9 * 8);
-  EXPECT_NEAR(all.fraction(), 2.0 * 9 * 8 / (2 * 9 * 10), 1e-12);
+  EXPECT_EQ(all.fraction(), 1.0);
   EXPECT_EQ(FindEdges(VolumeGrid(DepthMap{}, VolumeBorder::kNothing, 0), {}).fraction(), 0.0);
 }
 
