@@ -19,7 +19,8 @@ struct ContourGate {
 
 // A way from cell to cell through gates. It begins and ends in the middle of a cell where not just
 // two edges meet, or at a gate on the border of the surface; or it is closed, and no such cell is
-// on it.
+// on it. Where four edges meet and two samples across the cell are of one surface, as of a thin one
+// that runs aslant, two contours pass the cell and that surface is between them.
 struct Contour {
   std::vector<ContourGate> gates;          // at least one
   std::optional<GridCorner> first_cell{};  // that it begins in; none: at the first gate

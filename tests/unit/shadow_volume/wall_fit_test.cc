@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "render/technique/shadow_volume/shadow_volume_builder.h"
 #include "render/technique/shadow_volume/wall_edges.h"
@@ -74,6 +76,41 @@ TEST(ContourTraceTest, SidesAreKept) {
                 1.5);
     }
   }
+}
+
+// A surface one sample wide that runs aslant is one, over a floor and over nothing.
+TEST(ContourTraceTest, SamplesAcrossACellHangTogether) {
+  constexpr float kNothing = std::numeric_limits<float>::infinity();
+  for (const auto& [on, off] : {std::pair(3.0f, 6.0f), {3.0f, kNothing}}) {
+    for (const bool rises : {false, true}) {
+      const VolumeGrid grid = GridOf(MapOf(SomeView(40, 40, false), [&](uint32_t x, uint32_t y) {
+        const bool is_on = x == (rises ? y : 39 - y) && x >= 10 && x < 30;
+        return is_on ? on + 0.001f * static_cast<float>(x) : off;
+      }));
+      const EdgeMap edges = FindEdges(grid, {.thresholds = kPlain});
+      size_t around = 0;
+      for (const Contour& contour : TraceContours(grid, edges)) {
+        EXPECT_TRUE(contour.is_closed);
+        around += contour.gates.size() == 4 * 20;
+      }
+      EXPECT_EQ(around, 1u) << on << " " << off << " " << rises;
+    }
+  }
+}
+
+// Of unlike samples none hang together.
+TEST(ContourTraceTest, WaysEndWhereFourSurfacesMeet) {
+  const VolumeGrid grid = GridOf(MapOf(SomeView(20, 20, false), [](uint32_t x, uint32_t y) {
+    return 2.0f + static_cast<float>(x >= 10) + 2 * static_cast<float>(y >= 10);
+  }));
+  size_t ends = 0;
+  for (const Contour& contour :
+       TraceContours(grid, FindEdges(grid, {.thresholds = EdgeThresholds{.low = 1, .high = 1}}))) {
+    for (const auto& cell : {contour.first_cell, contour.last_cell}) {
+      ends += cell && cell->x == 10 && cell->y == 10;
+    }
+  }
+  EXPECT_EQ(ends, 4u);
 }
 
 // A round disk over a floor: walls go between the samples of either, and are few.
