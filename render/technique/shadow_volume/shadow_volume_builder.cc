@@ -7,7 +7,6 @@
 #include "render/scene/caster_tree.h"
 #include "render/scene/field_error.h"
 #include "render/technique/shadow_volume/volume_hash.h"
-#include "render/technique/shadow_volume/wall_edges.h"
 #include "render/technique/shadow_volume/wall_fit.h"
 
 namespace penumbra {
@@ -23,8 +22,7 @@ ReconstructedVolume ReconstructVolume(std::vector<VolumeFace> faces,
         i < ids.size() ? std::span(ids[i]) : std::span<const uint32_t>();
     const EdgeMap edges = FindEdges(grid, options.edges, face_ids);
     if (options.vectorizes) {
-      const VolumeGrid whole = WithoutHalfSteps(grid, edges);
-      AddWalls(whole, FindEdges(whole, options.edges, face_ids), mesh);
+      AddWalls(grid, edges, mesh);
     } else {
       AddTriangles(grid, edges, options.reconstruction, mesh);
     }

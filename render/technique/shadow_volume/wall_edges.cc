@@ -7,7 +7,8 @@
 namespace penumbra {
 namespace {
 
-// What is left of a step without slopes, as a part of it. Half a step is a half of two.
+// What is left of a step without slopes, as a part of it. Where a sample is half the way down,
+// either step is a half of both.
 constexpr double kLeastStep = 0.35;
 // By how much, as a part of them, differences of one slope differ.
 constexpr double kSameSlope = 0.25;
@@ -42,25 +43,6 @@ Row RowAround(const VolumeGrid& grid, uint32_t x, uint32_t y, bool is_right) {
 }
 
 }  // namespace
-
-VolumeGrid WithoutHalfSteps(const VolumeGrid& grid, const EdgeMap& edges) {
-  VolumeGrid whole = grid;
-  const auto join = [&](GridCorner at, float before, float after) {
-    const float here = grid.At(at.x, at.y);
-    if (!((before > here && here > after) || (before < here && here < after))) return;
-    whole.Set(at.x, at.y, std::min(before, after));
-  };
-  for (uint32_t y = 1; y + 1 < grid.height(); ++y) {
-    for (uint32_t x = 1; x + 1 < grid.width(); ++x) {
-      if (edges.right(x - 1, y) && edges.right(x, y)) {
-        join({x, y}, grid.At(x - 1, y), grid.At(x + 1, y));
-      } else if (edges.below(x, y - 1) && edges.below(x, y)) {
-        join({x, y}, grid.At(x, y - 1), grid.At(x, y + 1));
-      }
-    }
-  }
-  return whole;
-}
 
 EdgeMap WallEdges(const VolumeGrid& grid, const EdgeMap& edges) {
   EdgeMap kept(grid);

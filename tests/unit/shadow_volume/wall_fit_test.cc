@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -140,8 +141,8 @@ TEST(WallFitTest, LinesPassBetweenSamplesOfBothSurfaces) {
     }
     for (const WallPost& at : posts) {
       EXPECT_NEAR(glm::distance(at.at - 1.0, DVec2(39.3, 41.1)), 25.2, 0.9);
-      EXPECT_NEAR(std::max(at.left, at.right), 1.0 / 3, 1e-6);
-      EXPECT_NEAR(std::min(at.left, at.right), 1.0 / 6, 1e-6);
+      EXPECT_NEAR(std::max(at.left.nearness, at.right.nearness), 1.0 / 3, 1e-6);
+      EXPECT_NEAR(std::min(at.left.nearness, at.right.nearness), 1.0 / 6, 1e-6);
     }
   }
   EXPECT_EQ(round, 1u);
@@ -175,6 +176,69 @@ TEST(WallFitTest, WallsEncloseTheShadow) {
       EXPECT_EQ(crossings->in, int{to_inside} - int{from_inside}) << i;
     }
   }
+}
+
+// The disk over a floor with a step: where the step's wall meets the disk's nothing slips through.
+TEST(WallFitTest, WallsThatMeetLeaveNoGap) {
+  Dice dice(35);
+  const LightView view = SomeView(80, 80, false);
+  const auto radius = [](DVec2 pixel) { return glm::distance(pixel, DVec2(39.8, 41.6)); };
+  const DepthMap map = MapOf(view, [&](uint32_t x, uint32_t y) {
+    return radius(DVec2(x + 0.5, y + 0.5)) < 25.2 ? 3.0f : x < 40 ? 8.0f : 5.0f;
+  });
+  ShadowVolumeOptions options{.vectorizes = true, .bias_px = 0};
+  options.edges.thresholds = kPlain;
+  const ShadowVolume volume = ReconstructVolume({{.map = map}}, options).volume;
+  const VolumeTriangles mesh{volume.vertices, volume.indices};
+  size_t crossed = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const DVec2 meeting(40, dice.Below(2) == 0 ? 41.6 - 25.2 : 41.6 + 25.2);
+    const DVec2 at = meeting + DVec2(dice.Between(-1, 1), dice.Between(-1, 1));
+    const double angle = dice.Between(0, 6.28f), depth = dice.Between(3.3f, 4.7f);
+    const DVec2 from = at + 4.0 * DVec2(std::cos(angle), std::sin(angle)), to = 2.0 * at - from;
+    const auto is_unsure = [&](DVec2 pixel) { return std::abs(radius(pixel) - 25.2) < 1.8; };
+    if (is_unsure(from) || is_unsure(to)) continue;
+    const double lean = dice.Between(-0.1f, 0.1f);
+    const auto crossings =
+        CrossingsOf(mesh, view.PointAt(from, depth - lean), view.PointAt(to, depth + lean));
+    if (!crossings) continue;
+    ++crossed;
+    EXPECT_EQ(crossings->in, int{radius(to) < 25.2} - int{radius(from) < 25.2}) << i;
+  }
+  EXPECT_GT(crossed, 1000u);
+}
+
+// Steep disks, down to such as are a sample wide: walls begin on their planes, though at their edge
+// nothing may tell of their slope.
+TEST(WallFitTest, WallsBeginOnPlanesHoweverSteep) {
+  Dice dice(34);
+  size_t begins = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    const DVec2 way = glm::normalize(DVec2(dice.Between(-1, 1), dice.Between(-1, 1)));
+    const double width = dice.Between(0.6f, 6), slope = 0.02;  // about 7 pixels' widths
+    const auto plane = [&](DVec2 at) { return 0.3 + slope * glm::dot(at - DVec2(40.2), way); };
+    const VolumeGrid grid = GridOf(MapOf(SomeView(80, 80, false), [&](uint32_t x, uint32_t y) {
+      const DVec2 at(x + 1, y + 1), off = at - DVec2(40.2);  // in the grid, which has a ring
+      const double along = (way.x * off.y - way.y * off.x) / 25;
+      const double across = glm::dot(off, way) / width;
+      return across * across + along * along < 1 ? static_cast<float>(1 / plane(at)) : 8.0f;
+    }));
+    const EdgeMap edges = FindEdges(grid, {.thresholds = kPlain});
+    for (const Contour& contour : TraceContours(grid, edges)) {
+      const std::vector<WallPost> posts = FitWall(grid, edges, contour);
+      for (size_t i = 0; i + 1 < posts.size(); ++i) {
+        for (const auto end : {&WallPost::left, &WallPost::right}) {
+          const WallPost::End &from = posts[i].*end, &to = posts[i + 1].*end;
+          if (from.nearness < 0.15) continue;  // the floor
+          ++begins;
+          EXPECT_NEAR(from.nearness, plane(from.at), 1e-6) << trial;
+          const DVec2 middle = glm::mix(from.at, to.at, 0.5);
+          EXPECT_NEAR(std::midpoint(from.nearness, to.nearness), plane(middle), 1e-6) << trial;
+        }
+      }
+    }
+  }
+  EXPECT_GT(begins, 500u);
 }
 
 TEST(WallFitTest, SlopesHaveNoWalls) {
