@@ -145,7 +145,7 @@ std::vector<std::string> ExtensionsOf(const ArtifactPayload& payload) {
   std::vector<std::string> extensions = {"exr", "png", "json"};
   const auto* mesh = std::get_if<ShadowVolumeMesh>(&payload);
   if (mesh == nullptr) return extensions;
-  if (mesh->sample_count() == 0) extensions = {"json"};
+  if (!HasImages(*mesh)) extensions = {"json"};
   extensions.insert(extensions.end(), std::begin(kBoundaryExtensions),
                     std::end(kBoundaryExtensions));
   return extensions;

@@ -95,13 +95,12 @@ Json ToJson(const ShadowWidthFace& face) {
 }
 
 Json ToJson(const ShadowVolume& volume) {
-  constexpr const char* kKinds[] = {"reconstructed", "vectorized", "object"};
   Json faces = Json::array();
   for (const VolumeFace& face : volume.faces) {
     faces.push_back(PlaceToJson(face.map.view));
     faces.back()["borders_on"] = face.border == VolumeBorder::kNothing ? "nothing" : "others";
   }
-  Json json = {{"kind", kKinds[static_cast<size_t>(volume.kind)]},
+  Json json = {{"kind", kVolumeKindNames[static_cast<size_t>(volume.kind)]},
                {"content", volume.content.hex()},
                {"triangles", volume.triangle_count()},
                {"vertices", volume.vertices.size()},

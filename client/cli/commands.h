@@ -82,6 +82,7 @@ struct ViewCommand {
   std::optional<Vec3> ambient;            // absent: a share of the light there is
   std::optional<float> exposure;          // absent: found from the picture
   std::optional<VolumeLook> volume_look;  // some of it was given
+  std::string volume_option;              // the last one that did
   bool culls_back_faces = false;
   bool json = false;
 };

@@ -6,6 +6,7 @@
 #include "client/cli/open_engine.h"
 #include "client/cli/option_error.h"
 #include "client/display/image_io.h"
+#include "client/display/suggest_ambient.h"
 #include "client/display/thin_renderer.h"
 #include "client/display/tone.h"
 #include "client/session/steady_clock.h"

@@ -8,19 +8,26 @@
 namespace penumbra {
 
 void Grammar::AddVolumeLook(CLI::App* app) {
-  const auto look = [this]() -> VolumeLook& {
+  const auto look = [this](const char* option) -> VolumeLook& {
+    view_.volume_option = option;
     if (!view_.volume_look) view_.volume_look.emplace();
     return *view_.volume_look;
   };
   Add(app, "--volume-shading", "NAME",
       "Of shadow_volume: ambient, each light where it is seen; composited, shadows darkened; or "
       "black (default ambient)",
-      [look](const std::string& text) { return SetVolumeShading(text, look().shading); });
+      [look](const std::string& text) {
+        return SetVolumeShading(text, look("--volume-shading").shading);
+      });
   Add(app, "--volume-opacity", "SHARE", "How dark composited shadows are (default 0.5)",
-      [look](const std::string& text) { return SetVolumeOpacity(text, look().opacity); });
+      [look](const std::string& text) {
+        return SetVolumeOpacity(text, look("--volume-opacity").opacity);
+      });
   Add(app, "--volume-passes", "N",
       "Of shadow_volume: 1 to 64 drawings, each a little turned, that smooth edges (default 1)",
-      [look](const std::string& text) { return SetVolumePasses(text, look().passes); });
+      [look](const std::string& text) {
+        return SetVolumePasses(text, look("--volume-passes").passes);
+      });
 }
 
 void Grammar::AddView() {

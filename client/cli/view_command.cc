@@ -37,6 +37,17 @@ ShadowRequest WithReceivers(ShadowRequest request, const ImportedScene& imported
   return request;
 }
 
+// Boundaries leave out what lies on surfaces that are drawn: where back faces are not, all of each
+// is needed. Returns whether that is more than was asked for.
+bool NeedWholeVolumes(const ViewCommand& command, TechniqueParams& params) {
+  auto* const volumes = std::get_if<ShadowVolumeParams>(&params);
+  if (volumes == nullptr || !command.culls_back_faces) return false;
+  const ShadowVolumeParams before = *volumes;
+  volumes->surface = VolumeSurface::kAll;
+  if (volumes->volumes_of == VolumesOf::kEdges) volumes->volumes_of = VolumesOf::kInstances;
+  return *volumes != before;
+}
+
 Json ToJson(const ViewCommand& command, size_t shadows, const DrawnPicture& drawn) {
   const Camera& camera = drawn.camera;
   return {{"out", command.out.string()},
@@ -128,18 +139,21 @@ absl::Status CheckOptionsFit(const ViewCommand& command) {
     return TechniqueConflict("--final-set", params, "--set");
   }
   if (command.volume_look && !std::holds_alternative<ShadowVolumeParams>(params)) {
-    return TechniqueConflict("--volume-shading, --volume-opacity and --volume-passes", params,
-                             ShadowVolumeParams::kInfo.name);
+    return TechniqueConflict(command.volume_option, params, ShadowVolumeParams::kInfo.name);
   }
   return CheckOptionsFit(command.request);
 }
 
 }  // namespace
 
-absl::Status Run(const ViewCommand& command, const Console& console, std::stop_token stop) {
+absl::Status Run(const ViewCommand& asked, const Console& console, std::stop_token stop) {
+  ViewCommand command = asked;
   absl::Status status = CheckPicturePath(command.out);
   if (status.ok()) status = CheckOptionsFit(command);
   if (!status.ok()) return status;
+  if (NeedWholeVolumes(command, command.request.params)) {
+    console.Note("back faces are left out: shadow volumes have all of their surface (surface=all)");
+  }
   const auto imported = ImportScene(command.request.scene);
   if (!imported.ok()) return imported.status();
   const ShadowRequest request = WithReceivers(

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/output_files.h"
 #include "client/cli/stacked_faces.h"
 #include "client/display/image_io.h"
 #include "render/artifact/light_extent.h"
@@ -32,15 +33,15 @@ StackedImage DepthsOf(const ShadowVolumeMesh& mesh) {
   return Stack(faces, kNoDepth);
 }
 
+// Images of more are not made.
+constexpr size_t kMaxStackedSamples = size_t{1} << 26;
+
 // Triangles of places in the world, from homogeneous ones.
 class FinitePlaces {
  public:
   explicit FinitePlaces(const ShadowVolumeMesh& mesh) {
-    if (const auto* sun = std::get_if<DistantLight>(&mesh.light.shape)) {
-      from_light_ = -glm::normalize(sun->to_light);
-    } else {
-      light_ = Vec3(LightExtent(mesh.light).center());
-    }
+    const DVec4 middle = PlaceOfMiddle(mesh.light);
+    (middle.w == 0 ? from_light_ : light_) = Vec3(DVec3(middle)) * (middle.w == 0 ? -1.0f : 1.0f);
     Aabb bounds;
     for (const auto& volume : mesh.volumes) {
       for (const Vec4& v : volume->vertices) {
@@ -145,7 +146,19 @@ std::unique_ptr<aiScene> SceneFrom(const ShadowVolumeMesh& mesh) {
 
 }  // namespace
 
+bool HasImages(const ShadowVolumeMesh& mesh) {
+  size_t width = 0, height = 0;
+  for (const auto& volume : mesh.volumes) {
+    for (const VolumeFace& face : volume->faces) {
+      width = std::max<size_t>(width, face.map.view.width);
+      height += face.map.view.height;
+    }
+  }
+  return width > 0 && height <= kMaxStackedSamples / width;
+}
+
 RadianceTexture PictureOf(const ShadowVolumeMesh& mesh) {
+  if (!HasImages(mesh)) return {};
   const StackedImage depths = DepthsOf(mesh);
   float nearest = kNoDepth, farthest = -kNoDepth;
   for (const float depth : depths.numbers) {
@@ -177,12 +190,12 @@ absl::Status WriteBoundary(const std::filesystem::path& path, const ShadowVolume
                                                    : "objnomtl";
   const auto scene = SceneFrom(mesh);
   Assimp::Exporter exporter;
-  if (exporter.Export(scene.get(), format, path.string()) == aiReturn_SUCCESS) {
-    return absl::OkStatus();
+  // By way of memory: assimp does not tell of a full disk.
+  const aiExportDataBlob* const blob = exporter.ExportToBlob(scene.get(), format);
+  if (blob == nullptr) {
+    return absl::InternalError(absl::StrCat(path.string(), ": ", exporter.GetErrorString()));
   }
-  std::error_code ignored;
-  std::filesystem::remove(path, ignored);
-  return absl::UnavailableError(absl::StrCat(path.string(), ": ", exporter.GetErrorString()));
+  return WriteText(path, {static_cast<const char*>(blob->data), blob->size});
 }
 
 }  // namespace penumbra

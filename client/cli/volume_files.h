@@ -10,8 +10,11 @@
 
 namespace penumbra {
 
+// Whether there are depth maps, and not so many that an image of them all is too large.
+bool HasImages(const ShadowVolumeMesh& mesh);
+
 // How near what the light sees is, grey: 1 the nearest of all, 0 where nothing is; faces one below
-// the other.
+// the other. Empty without HasImages().
 RadianceTexture PictureOf(const ShadowVolumeMesh& mesh);
 
 // The depths of all faces, one below the other, as the channel depth of an EXR file: metres,
@@ -24,7 +27,7 @@ absl::Status WriteNumbers(const std::filesystem::path& path, const ShadowVolumeM
 // size of the scene. Triangles are seen counter-clockwise from the lit side, and are there as often
 // as they weigh.
 //
-// Errors  kUnavailable: cannot be written
+// Errors  kUnavailable: cannot be written; kInternal: the exporter failed
 absl::Status WriteBoundary(const std::filesystem::path& path, const ShadowVolumeMesh& mesh);
 
 }  // namespace penumbra

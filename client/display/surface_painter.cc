@@ -95,7 +95,8 @@ absl::Status SurfacePainter::Draw(gl::Context& context, const DrawItem& item,
                      .count = (*mesh)->index_count,
                      .depth_test = pass.depth_test,
                      .writes_depth = pass.depth_test != gl::DepthTest::kEqual,
-                     .combine = pass.combine});
+                     .combine = pass.combine,
+                     .stencil = pass.stencil});
   return absl::OkStatus();
 }
 

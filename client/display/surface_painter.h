@@ -37,6 +37,7 @@ struct SurfacePass {
   bool adds_ambient = true;
   gl::DepthTest depth_test = gl::DepthTest::kNearer;
   gl::Combine combine = gl::Combine::kReplace;
+  gl::Stencil stencil = gl::Stencil::kNone;
 };
 
 // Keeps meshes and masks on the GPU from one picture to the next.

@@ -9,7 +9,6 @@
 
 #include "client/display/picture.h"
 #include "render/math/vec.h"
-#include "render/scene/scene.h"
 
 namespace penumbra {
 
@@ -27,9 +26,5 @@ std::vector<uint8_t> ToSrgb(const Picture& picture, const ToneOptions& tone);
 // The exposure that shows surfaces lit as most of the bright tenth of `picture` is as light grey; 1
 // for a picture of nothing. Small glowing things do not sway it.
 float SuggestExposure(const Picture& picture);
-
-// Radiance that lifts what no light reaches out of black: a share of the light there is; 1 where
-// there is none at all.
-Vec3 SuggestAmbient(const Scene& scene);
 
 }  // namespace penumbra

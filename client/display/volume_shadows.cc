@@ -112,10 +112,9 @@ DMat4 VolumeTurn(const ShadowVolumeMesh& mesh, int pass, int passes) {
   const Basis& axes = view->frame.axes;
   const DVec2 pixel = 1.0 / view->pixels_per_slope();
   const double back = kBack * std::max(pixel.x, pixel.y);
-  if (view->from_infinity) {
-    const DVec3 away = -DVec3(std::get<DistantLight>(mesh.light.shape).to_light);
-    return MoveBy(rook.x * pixel.x * axes.s + rook.y * pixel.y * axes.t +
-                  back * glm::normalize(away));
+  const DVec4 middle = PlaceOfMiddle(mesh.light);
+  if (middle.w == 0) {
+    return MoveBy(rook.x * pixel.x * axes.s + rook.y * pixel.y * axes.t - back * DVec3(middle));
   }
   // A turn about t moves what is ahead along s. One about n as well, since light may shine all
   // around, and then s is ahead too.
@@ -123,7 +122,7 @@ DMat4 VolumeTurn(const ShadowVolumeMesh& mesh, int pass, int passes) {
       rook.x * pixel.x * axes.t + rook.y * pixel.y * axes.s + rook.z * pixel.x * axes.n;
   const double angle = glm::length(turn);
   const DVec3 axis = angle > 0 ? turn / angle : axes.n;
-  return TurnAbout(LightExtent(mesh.light).center(), axis, angle, 1 + back);
+  return TurnAbout(DVec3(middle), axis, angle, 1 + back);
 }
 
 void VolumeShadows::Clear() {

@@ -5,6 +5,7 @@
 #include "proto/convert/texel_assembler.h"
 #include "proto/convert/volume_builder.h"
 #include "proto/convert/volume_codec.h"
+#include "render/artifact/light_extent.h"
 #include "render/scene/field_error.h"
 
 namespace penumbra {
@@ -33,21 +34,42 @@ absl::Status VolumeAssembler::Want(const std::string& name, const std::string& f
   const auto before = parts_.find(name);
   if (before == parts_.end()) return absl::OkStatus();
   entry->second = before->second;
-  const Part part = before->second;
-  return part->has_head() ? WantPartsOf(part->head()) : absl::OkStatus();
+  const Part part = before->second;  // entries move
+  return WantPartsOf(*part);
 }
 
-absl::Status VolumeAssembler::WantPartsOf(const v1::VolumeHead& head) {
-  for (const std::string& name : head.parts()) {
+absl::Status VolumeAssembler::WantPartsOf(const v1::VolumePart& part) {
+  for (const std::string& name : part.head().parts()) {
     if (auto status = Want(name, "volume_part.head.parts"); !status.ok()) return status;
   }
+  for (const std::string& name : part.names().names()) {
+    if (auto status = Want(name, "volume_part.names.names"); !status.ok()) return status;
+  }
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<std::string>> VolumeAssembler::WithoutLists(const Names& names) const {
+  std::vector<std::string> all;
+  for (const std::string& name : names) {
+    const v1::VolumePart* const part = Find(name);
+    if (part == nullptr) return Incomplete("found a part of a volume missing, need all");
+    if (part->has_names()) {
+      all.insert(all.end(), part->names().names().begin(), part->names().names().end());
+    } else {
+      all.push_back(name);
+    }
+    if (all.size() > kMaxNames) {
+      return Invalid("volume_part.names.names",
+                     "found more than " + std::to_string(kMaxNames) + " in all, need fewer");
+    }
+  }
+  return all;
 }
 
 absl::Status VolumeAssembler::Begin(const v1::ShadowVolumeMesh& proto, bool starts_from_nothing) {
   next_.clear();
   if (starts_from_nothing) parts_.clear(), volumes_.clear();
-  heads_.assign(proto.volumes().begin(), proto.volumes().end());
+  heads_ = proto.volumes();
   for (const std::string& name : heads_) {
     if (auto status = Want(name, "shadow_volume_mesh.volumes"); !status.ok()) return status;
   }
@@ -61,7 +83,7 @@ absl::Status VolumeAssembler::Add(const v1::VolumePart& part) {
   }
   if (entry->second != nullptr) return absl::OkStatus();  // named twice, or held already
   entry->second = std::make_shared<v1::VolumePart>(part);
-  return part.has_head() ? WantPartsOf(part.head()) : absl::OkStatus();
+  return WantPartsOf(part);
 }
 
 const v1::VolumePart* VolumeAssembler::Find(const std::string& name) const {
@@ -76,7 +98,9 @@ absl::StatusOr<std::shared_ptr<const ShadowVolume>> VolumeAssembler::VolumeOf(
   if (!head->has_head()) return Invalid("shadow_volume_mesh.volumes", "found one that is no head");
   VolumeBuilder builder(limits_);
   if (auto status = builder.Begin(head->head()); !status.ok()) return status;
-  for (const std::string& part_name : head->head().parts()) {
+  const auto names = WithoutLists(head->head().parts());
+  if (!names.ok()) return names.status();
+  for (const std::string& part_name : *names) {
     const v1::VolumePart* const part = Find(part_name);
     if (part == nullptr) return Incomplete("found a part of a volume missing, need all");
     if (auto status = builder.Add(*part); !status.ok()) return status;
@@ -86,25 +110,53 @@ absl::StatusOr<std::shared_ptr<const ShadowVolume>> VolumeAssembler::VolumeOf(
   return std::make_shared<const ShadowVolume>(*std::move(volume));
 }
 
-absl::Status VolumeAssembler::Finish(ShadowVolumeMesh& mesh) {
-  std::unordered_map<std::string, std::shared_ptr<const ShadowVolume>> volumes;
-  uint64_t samples = 0;
-  for (const std::string& name : heads_) {
-    auto& volume = volumes[name];
-    if (const auto before = volumes_.find(name); before != volumes_.end()) volume = before->second;
-    if (volume == nullptr) {
-      auto made = VolumeOf(name);
-      if (!made.ok()) return made.status();
-      volume = *std::move(made);
+absl::Status VolumeAssembler::CheckWhole(const ShadowVolumeMesh& mesh) const {
+  const bool is_distant = PlaceOfMiddle(mesh.light).w == 0;
+  uint64_t samples = 0, triangles = 0, vertices = 0;
+  for (const auto& volume : mesh.volumes) {
+    for (const VolumeFace& face : volume->faces) {
+      if (face.map.view.from_infinity == is_distant) continue;
+      return Invalid("volume_part.head.faces",
+                     "found a view that is not from the light, need one from there");
     }
     samples += volume->sample_count();
-    if (samples > limits_.max_receiver_texels) {
-      return Invalid("shadow_volume_mesh.volumes", "found " + std::to_string(samples) +
-                                                       " samples or more, need at most " +
-                                                       std::to_string(limits_.max_receiver_texels));
-    }
-    mesh.volumes.push_back(volume);
+    triangles += volume->weighed_triangle_count();
+    vertices += volume->vertices.size();
   }
+  if (samples <= limits_.max_receiver_texels && triangles <= kMaxVolumeTriangles &&
+      vertices <= kMaxVolumeVertices) {
+    return absl::OkStatus();
+  }
+  return Invalid("shadow_volume_mesh.volumes",
+                 "found " + std::to_string(samples) + " samples, " + std::to_string(triangles) +
+                     " triangles and " + std::to_string(vertices) + " vertices, need at most " +
+                     std::to_string(limits_.max_receiver_texels) + ", " +
+                     std::to_string(kMaxVolumeTriangles) + " and " +
+                     std::to_string(kMaxVolumeVertices));
+}
+
+absl::Status VolumeAssembler::Finish(ShadowVolumeMesh& mesh) {
+  const auto names = WithoutLists(heads_);
+  if (!names.ok()) return names.status();
+  std::unordered_map<std::string, std::shared_ptr<const ShadowVolume>> volumes;
+  for (const std::string& name : *names) {
+    const auto [entry, is_new] = volumes.try_emplace(name);
+    if (!is_new) return Invalid("shadow_volume_mesh.volumes", "found one twice, need each once");
+    const auto before = volumes_.find(name);
+    if (before != volumes_.end()) {
+      entry->second = before->second;
+    } else {
+      auto made = VolumeOf(name);
+      if (!made.ok()) return made.status();
+      entry->second = *std::move(made);
+    }
+    mesh.volumes.push_back(entry->second);
+    // Before the next is made.
+    if (mesh.volumes.size() % 64 == 0 || mesh.volumes.back()->bytes() > (size_t{1} << 20)) {
+      if (auto status = CheckWhole(mesh); !status.ok()) return status;
+    }
+  }
+  if (auto status = CheckWhole(mesh); !status.ok()) return status;
   volumes_ = std::move(volumes);
   parts_ = std::move(next_);
   next_.clear();

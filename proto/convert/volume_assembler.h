@@ -35,14 +35,17 @@ class VolumeAssembler {
 
  private:
   using Part = std::shared_ptr<const v1::VolumePart>;
+  using Names = google::protobuf::RepeatedPtrField<std::string>;
 
   absl::Status Want(const std::string& name, const std::string& field);
-  absl::Status WantPartsOf(const v1::VolumeHead& head);
+  absl::Status WantPartsOf(const v1::VolumePart& part);
+  absl::StatusOr<std::vector<std::string>> WithoutLists(const Names& names) const;
+  absl::Status CheckWhole(const ShadowVolumeMesh& mesh) const;
   absl::StatusOr<std::shared_ptr<const ShadowVolume>> VolumeOf(const std::string& name);
   const v1::VolumePart* Find(const std::string& name) const;
 
   SceneLimits limits_;
-  std::vector<std::string> heads_;               // of the mesh in the making, in its order
+  Names heads_;                                  // of the mesh in the making, in its order
   std::unordered_map<std::string, Part> next_;   // all that it names; null: not there yet
   std::unordered_map<std::string, Part> parts_;  // of the newest complete one
   std::unordered_map<std::string, std::shared_ptr<const ShadowVolume>> volumes_;  // by their heads

@@ -10,12 +10,16 @@
 #include "proto/convert/view_convert.h"
 #include "proto/convert/volume_codec.h"
 #include "render/scene/field_error.h"
+#include "render/scene/scene.h"
 
 namespace penumbra {
 namespace {
 
-// More than any that a server makes.
-constexpr size_t kMaxVertices = size_t{1} << 25, kMaxIndices = size_t{1} << 27;
+// Whether it is somewhere: not the origin infinitely far, and not so far that it has no place.
+bool IsPlace(const Vec4& vertex) {
+  if (!IsFinite(Vec3(vertex)) || !std::isfinite(vertex.w) || vertex.w < 0) return false;
+  return vertex.w > 0 ? IsFinite(Vec3(vertex) / vertex.w) : Vec3(vertex) != Vec3(0);
+}
 
 absl::Status Invalid(const std::string& field, const std::string& text) {
   return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field, text);
@@ -50,11 +54,19 @@ absl::Status VolumeBuilder::Begin(const v1::VolumeHead& head) {
     return Invalid("volume_part.head.kind",
                    "found " + std::to_string(head.kind()) + ", need one that is known");
   }
+  if (!head.instance_id().empty()) {
+    const auto status = CheckId(head.instance_id(), "volume_part.head.instance_id");
+    if (!status.ok()) return status;
+  }
   volume_.instance_id = head.instance_id();
   volume_.content = *content;
   volume_.kind = static_cast<VolumeKind>(head.kind() - 1);
   if (auto status = CheckFaceCount(head.faces_size(), "volume_part.head.faces"); !status.ok()) {
     return status;
+  }
+  if ((volume_.kind == VolumeKind::kObject) != (head.faces_size() == 0)) {
+    return Invalid("volume_part.head.faces", "found " + std::to_string(head.faces_size()) +
+                                                 ", need none of an object and some of others");
   }
   for (int i = 0; i < head.faces_size(); ++i) {
     const std::string field = "volume_part.head.faces[" + std::to_string(i) + "]";
@@ -81,9 +93,7 @@ absl::Status VolumeBuilder::AddDepths(const v1::VolumeDepths& proto) {
                                              " and row " + std::to_string(proto.row()) +
                                              ", need a tile of the volume's faces");
   }
-  const uint32_t x = kVolumeTileSide * proto.column(), y = kVolumeTileSide * proto.row();
-  const uint32_t width = std::min(kVolumeTileSide, map->view.width - x);
-  const uint32_t height = std::min(kVolumeTileSide, map->view.height - y);
+  const auto [x, y, width, height] = VolumeTileAt(map->view, proto.column(), proto.row());
   const auto depths = Floats(proto.depths(), size_t{width} * height, "volume_part.depths.depths");
   if (!depths.ok()) return depths.status();
   const float least = map->view.from_infinity ? -kNoDepth : 0.0f;
@@ -102,12 +112,12 @@ absl::Status VolumeBuilder::AddDepths(const v1::VolumeDepths& proto) {
 
 absl::Status VolumeBuilder::AddVertices(const v1::VolumeTriangles& proto) {
   const size_t count = proto.vertex_count();
-  if (count > kMaxPartVertices || volume_.vertices.size() + count > kMaxVertices) {
+  if (count > kMaxPartVertices || volume_.vertices.size() + count > kMaxVolumeVertices) {
     return Invalid("volume_part.triangles.vertex_count",
                    "found " + std::to_string(count) + " after " +
                        std::to_string(volume_.vertices.size()) + ", need at most " +
-                       std::to_string(kMaxPartVertices) + " and " + std::to_string(kMaxVertices) +
-                       " in all");
+                       std::to_string(kMaxPartVertices) + " and " +
+                       std::to_string(kMaxVolumeVertices) + " in all");
   }
   if (count == 0) return absl::OkStatus();
   const auto numbers = Floats(proto.vertices(), 4 * count, "volume_part.triangles.vertices");
@@ -115,7 +125,7 @@ absl::Status VolumeBuilder::AddVertices(const v1::VolumeTriangles& proto) {
   for (size_t i = 0; i < count; ++i) {
     const Vec4 vertex((*numbers)[i], (*numbers)[count + i], (*numbers)[2 * count + i],
                       (*numbers)[3 * count + i]);
-    if (!IsFinite(Vec3(vertex)) || !std::isfinite(vertex.w) || vertex.w < 0) {
+    if (!IsPlace(vertex)) {
       return Invalid("volume_part.triangles.vertices",
                      "found one that is no place, need finite numbers and w >= 0");
     }
@@ -143,14 +153,19 @@ absl::Status VolumeBuilder::AddWeights(const v1::VolumeTriangles& proto) {
 }
 
 absl::Status VolumeBuilder::AddTriangles(const v1::VolumeTriangles& proto) {
+  const bool is_object = volume_.kind == VolumeKind::kObject;
+  if (!is_object && (proto.are_the_casters() || proto.weights_size() > 0)) {
+    return Invalid("volume_part.triangles", "found weights or casters, need an object for these");
+  }
   if (auto status = AddVertices(proto); !status.ok()) return status;
   auto& indices = proto.are_the_casters() ? volume_.caster_indices : volume_.indices;
   const auto corners = static_cast<size_t>(proto.corners_size());
   if (corners % 3 != 0 || corners > 3 * size_t{kMaxPartTriangles} ||
-      indices.size() + corners > kMaxIndices) {
-    return Invalid("volume_part.triangles.corners", "found " + std::to_string(corners) +
-                                                        ", need three a triangle, at most " +
-                                                        std::to_string(3 * kMaxPartTriangles));
+      indices.size() + corners > 3 * kMaxVolumeTriangles) {
+    return Invalid("volume_part.triangles.corners",
+                   "found " + std::to_string(corners) + " after " + std::to_string(indices.size()) +
+                       ", need three a triangle, at most " + std::to_string(3 * kMaxPartTriangles) +
+                       " and " + std::to_string(3 * kMaxVolumeTriangles) + " in all");
   }
   const size_t end = volume_.vertices.size();
   for (const uint32_t corner : proto.corners()) {
@@ -158,6 +173,10 @@ absl::Status VolumeBuilder::AddTriangles(const v1::VolumeTriangles& proto) {
       return Invalid("volume_part.triangles.corners", "found " + std::to_string(corner) +
                                                           ", need 1 to the " + std::to_string(end) +
                                                           " vertices so far");
+    }
+    if (proto.are_the_casters() && volume_.vertices[end - corner].w == 0) {
+      return Invalid("volume_part.triangles.corners",
+                     "found a caster's corner infinitely far, need one at a place");
     }
     indices.push_back(static_cast<uint32_t>(end - corner));
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -28,18 +29,8 @@ void Append(const T* values, size_t count, std::string& bytes) {
   bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
 }
 
-struct TileRect {
-  uint32_t x, y, width, height;
-};
-
-TileRect RectOf(const LightView& view, uint32_t column, uint32_t row) {
-  const uint32_t x = kVolumeTileSide * column, y = kVolumeTileSide * row;
-  return {x, y, std::min(kVolumeTileSide, view.width - x),
-          std::min(kVolumeTileSide, view.height - y)};
-}
-
 std::vector<float> DepthsOf(const DepthMap& map, uint32_t column, uint32_t row) {
-  const TileRect rect = RectOf(map.view, column, row);
+  const VolumeTile rect = VolumeTileAt(map.view, column, row);
   std::vector<float> depths;
   depths.reserve(size_t{rect.width} * rect.height);
   for (uint32_t j = 0; j < rect.height; ++j) {
@@ -175,20 +166,56 @@ v1::VolumeHead HeadOf(const ShadowVolume& volume, const std::vector<std::string>
 
 }  // namespace
 
+VolumeTile VolumeTileAt(const LightView& view, uint32_t column, uint32_t row) {
+  const uint32_t x = kVolumeTileSide * column, y = kVolumeTileSide * row;
+  return {x, y, std::min(kVolumeTileSide, view.width - x),
+          std::min(kVolumeTileSide, view.height - y)};
+}
+
+std::vector<std::string> ListNames(const std::vector<std::string>& names,
+                                   std::vector<VolumePartPlan>& lists) {
+  if (names.size() <= kMaxNamesOfAList) return names;
+  std::vector<std::string> of_lists;
+  for (size_t first = 0; first < names.size(); first += kMaxNamesOfAList) {
+    const size_t end = std::min(names.size(), first + kMaxNamesOfAList);
+    VolumePartPlan list{.content = VolumePartPlan::Content::kNames};
+    std::string content = "names";
+    for (size_t i = first; i < end; ++i) {
+      list.names.push_back(names[i]);
+      content += names[i];
+    }
+    list.name = NameOf(content);
+    of_lists.push_back(list.name);
+    lists.push_back(std::move(list));
+  }
+  return of_lists;
+}
+
+v1::VolumePart EncodeList(const VolumePartPlan& plan) {
+  v1::VolumePart part;
+  part.set_name(plan.name);
+  for (const std::string& name : plan.names) part.mutable_names()->add_names(name);
+  return part;
+}
+
 uint32_t VolumeTilesAlong(uint32_t samples) {
   return (samples + kVolumeTileSide - 1) / kVolumeTileSide;
 }
 
 std::vector<VolumePartPlan> PartsOf(const ShadowVolume& volume) {
-  std::vector<VolumePartPlan> parts(1);
-  AppendDepths(volume, parts);
-  TriangleParts triangles(volume, parts);
+  std::vector<VolumePartPlan> content;
+  AppendDepths(volume, content);
+  TriangleParts triangles(volume, content);
   triangles.Add(false);
   triangles.Add(true);
   triangles.AddRestOfVertices();
-  VolumePartPlan& head = parts.front();
-  for (size_t i = 1; i < parts.size(); ++i) head.names.push_back(parts[i].name);
-  head.name = NameOf("head" + HeadOf(volume, head.names).SerializeAsString());
+  std::vector<std::string> names;
+  for (const VolumePartPlan& part : content) names.push_back(part.name);
+  std::vector<VolumePartPlan> parts(1);
+  std::vector<std::string> listed = ListNames(names, parts);
+  parts.front().name = NameOf("head" + HeadOf(volume, listed).SerializeAsString());
+  parts.front().names = std::move(listed);
+  std::ranges::move(content, std::back_inserter(parts));
   return parts;
 }
 
@@ -198,6 +225,7 @@ void VolumePartEncoder::EncodeFloats(const std::vector<float>& floats, v1::Float
 }
 
 v1::VolumePart VolumePartEncoder::Encode(const ShadowVolume& volume, const VolumePartPlan& plan) {
+  if (plan.content == VolumePartPlan::Content::kNames) return EncodeList(plan);
   v1::VolumePart part;
   part.set_name(plan.name);
   if (plan.content == VolumePartPlan::Content::kHead) {

@@ -22,14 +22,16 @@ inline constexpr uint32_t kVolumeTileSide = 64;
 // Of a part: 64 KB of vertices, before they are packed.
 inline constexpr uint32_t kMaxPartVertices = 4096, kMaxPartTriangles = 4096;
 inline constexpr size_t kPartNameBytes = 16;
+// Of a list: 72 KB.
+inline constexpr size_t kMaxNamesOfAList = 4096;
 
 // What a part has in it.
 struct VolumePartPlan {
-  enum class Content : uint8_t { kHead, kDepths, kTriangles };
+  enum class Content : uint8_t { kHead, kNames, kDepths, kTriangles };
 
   std::string name;  // kPartNameBytes of a hash
   Content content = Content::kHead;
-  std::vector<std::string> names{};        // of a head: all other parts'
+  std::vector<std::string> names{};        // of a head or a list
   uint32_t face = 0, column = 0, row = 0;  // of depths
   // Of triangles: of the volume's vertices, and of its indices or its casters'.
   size_t first_vertex = 0, end_vertex = 0, first_index = 0, end_index = 0;
@@ -54,6 +56,19 @@ class VolumePartEncoder {
   PlanePacker packer_;
   std::vector<char> plane_;
 };
+
+// Names as they are sent: as they are, or where they are many those of lists, which are appended to
+// `lists`.
+std::vector<std::string> ListNames(const std::vector<std::string>& names,
+                                   std::vector<VolumePartPlan>& lists);
+// A list of names, whosever it is.
+v1::VolumePart EncodeList(const VolumePartPlan& plan);
+
+// Samples of a tile of depths.
+struct VolumeTile {
+  uint32_t x, y, width, height;
+};
+VolumeTile VolumeTileAt(const LightView& view, uint32_t column, uint32_t row);
 
 // How many tiles of depths there are along a side of so many samples.
 uint32_t VolumeTilesAlong(uint32_t samples);

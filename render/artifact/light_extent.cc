@@ -74,11 +74,16 @@ LightExtent::Interval LightExtent::Height(DVec3 point, DVec3 normal) const {
   return {middle - half, middle + half};
 }
 
-LightSample MiddleOf(const AreaLight& light) {
+DVec4 PlaceOfMiddle(const AreaLight& light) {
   if (const auto* sun = std::get_if<DistantLight>(&light.shape)) {
-    return {.point = glm::normalize(sun->to_light), .at_infinity = true};
+    return DVec4(glm::normalize(DVec3(sun->to_light)), 0);
   }
-  return {.point = Vec3(LightExtent(light).center())};
+  return DVec4(LightExtent(light).center(), 1);
+}
+
+LightSample MiddleOf(const AreaLight& light) {
+  const DVec4 middle = PlaceOfMiddle(light);
+  return {.point = Vec3(DVec3(middle)), .at_infinity = middle.w == 0};
 }
 
 }  // namespace penumbra

@@ -45,7 +45,10 @@ class LightExtent {
   bool is_at_infinity_ = false;
 };
 
-// The light's middle as its only sample.
+// The light's middle, homogeneous: a place (w = 1), or the direction towards it, of length 1 and
+// w = 0.
+DVec4 PlaceOfMiddle(const AreaLight& light);
+// The same as the light's only sample.
 LightSample MiddleOf(const AreaLight& light);
 
 }  // namespace penumbra

@@ -1,6 +1,7 @@
 #include "render/artifact/shadow_volume_mesh.h"
 
 #include <array>
+#include <cstdlib>
 #include <utility>
 #include <variant>
 
@@ -27,9 +28,9 @@ bool Blocks(const std::array<DVec3, 3>& corners, DVec3 to_light, bool is_far) {
 }
 
 bool IsBehindCaster(const ShadowVolume& volume, const AreaLight& light, DVec3 point) {
-  const auto* distant = std::get_if<DistantLight>(&light.shape);
-  const bool is_far = distant != nullptr;
-  const DVec3 to_light = is_far ? DVec3(distant->to_light) : LightExtent(light).center() - point;
+  const DVec4 middle = PlaceOfMiddle(light);
+  const bool is_far = middle.w == 0;
+  const DVec3 to_light = DVec3(middle) - middle.w * point;
   for (size_t i = 0; i + 2 < volume.caster_indices.size(); i += 3) {
     std::array<DVec3, 3> corners;
     for (size_t k = 0; k < 3; ++k) {
@@ -52,7 +53,34 @@ bool IsBehind(const std::vector<VolumeGrid>& grids, DVec3 point) {
   return false;
 }
 
+// The same without grids, from the four samples around the point.
+bool IsBehind(const std::vector<VolumeFace>& faces, float bias_px, DVec3 point) {
+  for (const VolumeFace& face : faces) {
+    const VolumeFrame frame(face.map.view, face.border);
+    const VolumeFrame::Place place = frame.PlaceOf(point);
+    if (!place.is_ahead || !frame.Covers(place.at)) continue;
+    const VolumeFrame::Cell cell = frame.CellAt(place.at);
+    const auto sample = [&](uint32_t x, uint32_t y) {
+      const uint32_t at_x = x - frame.ring(), at_y = y - frame.ring();  // in the ring: huge
+      const LightView& view = face.map.view;
+      if (at_x >= view.width || at_y >= view.height) return frame.nothing();
+      return frame.NearnessOf(face.map.depths[size_t{at_y} * view.width + at_x], bias_px);
+    };
+    const CellCorners corners = {sample(cell.x, cell.y), sample(cell.x + 1, cell.y),
+                                 sample(cell.x + 1, cell.y + 1), sample(cell.x, cell.y + 1)};
+    return NearnessWithin(corners, cell.within) > place.nearness;
+  }
+  return false;
+}
+
 }  // namespace
+
+size_t ShadowVolume::weighed_triangle_count() const {
+  if (weights.empty()) return triangle_count();
+  size_t count = 0;
+  for (const int8_t weight : weights) count += static_cast<size_t>(std::abs(int{weight}));
+  return count;
+}
 
 size_t ShadowVolume::sample_count() const {
   size_t count = 0;
@@ -110,7 +138,14 @@ float VolumeLookup::Visibility(Vec3 point, Vec3 normal) const {
 }
 
 float Visibility(const ShadowVolumeMesh& mesh, Vec3 point, Vec3 normal) {
-  return VolumeLookup(mesh).Visibility(point, normal);
+  if (!(LightAbovePlane(mesh.light, point, normal) > 0)) return 0.0f;
+  for (const auto& volume : mesh.volumes) {
+    const bool is_dark = volume->kind == VolumeKind::kObject
+                             ? IsBehindCaster(*volume, mesh.light, DVec3(point))
+                             : IsBehind(volume->faces, mesh.bias_px, DVec3(point));
+    if (is_dark) return 0.0f;
+  }
+  return 1.0f;
 }
 
 }  // namespace penumbra

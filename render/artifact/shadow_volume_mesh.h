@@ -8,9 +8,11 @@
 // only those parts are in the mesh that do not lie on something that is drawn anyway.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/artifact/volume_grid.h"
@@ -19,6 +21,9 @@
 #include "render/scene/content_hash.h"
 
 namespace penumbra {
+
+// Of a mesh, all volumes together; a triangle counts as often as it weighs. Half a gigabyte.
+inline constexpr size_t kMaxVolumeTriangles = size_t{1} << 24, kMaxVolumeVertices = size_t{1} << 24;
 
 // What one view has seen for a volume.
 struct VolumeFace {
@@ -31,6 +36,10 @@ enum class VolumeKind : uint8_t {
   kVectorized,     // contours are lines between samples, with walls along the light's rays
   kObject,         // made from an instance's own edges
 };
+
+// In the order of the kinds.
+inline constexpr std::array<std::string_view, 3> kVolumeKindNames = {"reconstructed", "vectorized",
+                                                                     "object"};
 
 // Of all casters, or of one.
 struct ShadowVolume {
@@ -53,10 +62,12 @@ struct ShadowVolume {
   std::vector<uint32_t> caster_indices;
 
   size_t triangle_count() const { return indices.size() / 3; }
-  size_t sample_count() const;  // of all faces
+  size_t weighed_triangle_count() const;  // each as often as it weighs
+  size_t sample_count() const;            // of all faces
   size_t bytes() const;
 };
 
+// Within kMaxVolumeTriangles and kMaxVolumeVertices.
 struct ShadowVolumeMesh {
   AreaLight light;  // seen as its centre
   // How far behind the samples of a map the surface is, in pixels' widths.
@@ -78,8 +89,7 @@ struct ShadowVolumeMesh {
 // alone, and where the surface faces away from all of the light: 0.
 //
 // normal  of length 1
-// Cost    O(1) a volume with few faces, after O(samples) once a call; O(triangles) of kObject. For
-//         many points make a VolumeLookup
+// Cost    O(1) a face; O(triangles) of kObject. For many points VolumeLookup is quicker
 float Visibility(const ShadowVolumeMesh& mesh, Vec3 point, Vec3 normal);
 
 // The same with the surfaces ready to be looked up in.

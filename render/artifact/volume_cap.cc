@@ -151,16 +151,10 @@ class CellCapper {
   bool all_before_ = true;
 };
 
-DVec4 PlaceOf(const AreaLight& light) {
-  const auto* distant = std::get_if<DistantLight>(&light.shape);
-  return distant ? DVec4(glm::normalize(DVec3(distant->to_light)), 0.0)
-                 : DVec4(LightExtent(light).center(), 1.0);
-}
-
 }  // namespace
 
 VolumeCapper::VolumeCapper(const ShadowVolume& volume, float bias_px, const AreaLight& light)
-    : volume_(volume), light_(PlaceOf(light)) {
+    : volume_(volume), light_(PlaceOfMiddle(light)) {
   for (const VolumeFace& face : volume.faces) {
     grids_.emplace_back(face.map, face.border, bias_px);
     const VolumeGrid& grid = grids_.back();

@@ -92,14 +92,15 @@ void SetStencil(Stencil stencil) {
     return;
   }
   glEnable(GL_STENCIL_TEST);
-  glStencilFunc(stencil == Stencil::kWhereIsSet ? GL_NOTEQUAL : GL_ALWAYS, 0, 0xff);
+  const GLenum unset = stencil == Stencil::kOnce ? GL_EQUAL : GL_ALWAYS;
+  glStencilFunc(stencil == Stencil::kWhereIsSet ? GL_NOTEQUAL : unset, 0, 0xff);
   glStencilMask(stencil == Stencil::kInvert ? 1 : 0xff);
   if (stencil == Stencil::kCount) {
     glFrontFace(GL_CCW);
     glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
     glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
   } else {
-    const bool increments = stencil == Stencil::kIncrement;
+    const bool increments = stencil == Stencil::kIncrement || stencil == Stencil::kOnce;
     const GLenum passed = increments ? GL_INCR_WRAP : GL_KEEP;
     glStencilOp(GL_KEEP, GL_KEEP, stencil == Stencil::kInvert ? GL_INVERT : passed);
   }

@@ -36,6 +36,7 @@ enum class Stencil {
   kInvert,      // its lowest bit is inverted
   kCount,       // triangles seen counter-clockwise add 1, others take 1, modulo 256
   kIncrement,   // all triangles add 1
+  kOnce,        // drawn where it is 0, which it no longer is then
   kWhereIsSet,  // drawn where it is not 0; left
 };
 

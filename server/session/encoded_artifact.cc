@@ -113,42 +113,72 @@ void ArtifactEncoder::EncodeWidths(const ShadowWidthMap& map, const EncodedArtif
   });
 }
 
+// The parts of a volume, and as many names. Those that `known` has are taken over.
+void ArtifactEncoder::EncodeVolume(const ShadowVolume& volume, const KnownParts& known,
+                                   EncodedArtifact& encoded) {
+  const std::vector<VolumePartPlan> parts = PartsOf(volume);
+  const size_t first = encoded.tiles.size();
+  encoded.tiles.resize(first + parts.size());
+  for (const VolumePartPlan& part : parts) encoded.part_names.push_back(part.name);
+  ForEachTile(parts.size(), [&](size_t i) {
+    if (const auto same = known.find(parts[i].name); same != known.end()) {
+      encoded.tiles[first + i] = *same->second;
+      return;
+    }
+    v1::ArtifactUpdate field;
+    *field.add_volume_parts() = packers_.local().volumes.Encode(volume, parts[i]);
+    encoded.tiles[first + i] = {encoded.sequence, Bytes(field)};
+  });
+}
+
+// What the header names, with the lists that it takes before all that they name.
+void ArtifactEncoder::EncodeHeads(const KnownParts& known, EncodedArtifact& encoded) {
+  std::vector<std::string> heads;
+  for (size_t i = 0; i + 1 < encoded.first_parts.size(); ++i) {
+    heads.push_back(encoded.part_names[encoded.first_parts[i]]);
+  }
+  std::vector<VolumePartPlan> lists;
+  encoded.listed_heads = ListNames(heads, lists);
+  std::vector<EncodedTile> tiles;
+  std::vector<std::string> names;
+  for (const VolumePartPlan& list : lists) {
+    v1::ArtifactUpdate field;
+    *field.add_volume_parts() = EncodeList(list);
+    const auto same = known.find(list.name);
+    tiles.push_back(same != known.end() ? *same->second
+                                        : EncodedTile{encoded.sequence, Bytes(field)});
+    names.push_back(list.name);
+  }
+  encoded.tiles.insert(encoded.tiles.begin(), tiles.begin(), tiles.end());
+  encoded.part_names.insert(encoded.part_names.begin(), names.begin(), names.end());
+  for (size_t& first : encoded.first_parts) first += lists.size();
+}
+
 void ArtifactEncoder::EncodeVolumes(const ShadowVolumeMesh& mesh, const EncodedArtifact* previous,
                                     EncodedArtifact& encoded) {
   const auto* before =
       previous ? std::get_if<ShadowVolumeMesh>(&previous->artifact->payload) : nullptr;
   std::unordered_map<const ShadowVolume*, size_t> kept;  // volumes of the mesh before
-  std::unordered_map<std::string_view, const EncodedTile*> known;
-  for (size_t i = 0; before && i < before->volumes.size(); ++i) {
-    kept[before->volumes[i].get()] = i;
-  }
+  KnownParts known;
+  for (size_t i = 0; before && i < before->volumes.size(); ++i) kept[before->volumes[i].get()] = i;
   for (size_t i = 0; before && i < previous->tiles.size(); ++i) {
     known[previous->part_names[i]] = &previous->tiles[i];
   }
   for (const auto& volume : mesh.volumes) {
     encoded.first_parts.push_back(encoded.tiles.size());
-    if (const auto same = kept.find(volume.get()); same != kept.end()) {
-      const auto [first, end] = previous->PartsOfVolume(same->second);
-      for (size_t i = first; i < end; ++i) {
-        encoded.tiles.push_back(previous->tiles[i]);
-        encoded.part_names.push_back(previous->part_names[i]);
-      }
+    const auto same = kept.find(volume.get());
+    if (same == kept.end()) {
+      EncodeVolume(*volume, known, encoded);
       continue;
     }
-    const std::vector<VolumePartPlan> parts = PartsOf(*volume);
-    const size_t first = encoded.tiles.size();
-    encoded.tiles.resize(first + parts.size());
-    for (const VolumePartPlan& part : parts) encoded.part_names.push_back(part.name);
-    ForEachTile(parts.size(), [&](size_t i) {
-      if (const auto same = known.find(parts[i].name); same != known.end()) {
-        encoded.tiles[first + i] = *same->second;
-        return;
-      }
-      v1::ArtifactUpdate field;
-      *field.add_volume_parts() = packers_.local().volumes.Encode(*volume, parts[i]);
-      encoded.tiles[first + i] = {encoded.sequence, Bytes(field)};
-    });
+    for (size_t i = previous->first_parts[same->second];
+         i < previous->first_parts[same->second + 1]; ++i) {
+      encoded.tiles.push_back(previous->tiles[i]);
+      encoded.part_names.push_back(previous->part_names[i]);
+    }
   }
+  encoded.first_parts.push_back(encoded.tiles.size());
+  EncodeHeads(known, encoded);
 }
 
 void ArtifactEncoder::EncodePayload(const ArtifactPayload& payload, const EncodedArtifact* previous,
@@ -171,8 +201,8 @@ std::shared_ptr<const EncodedArtifact> ArtifactEncoder::Encode(
   EncodePayload(artifact->payload, previous, *encoded);
   v1::ArtifactUpdate header;
   *header.mutable_header() = ToProto(*artifact);
-  for (const size_t head : encoded->first_parts) {
-    header.mutable_header()->mutable_shadow_volume_mesh()->add_volumes(encoded->part_names[head]);
+  for (const std::string& name : encoded->listed_heads) {
+    header.mutable_header()->mutable_shadow_volume_mesh()->add_volumes(name);
   }
   encoded->header = Bytes(header);
   if (previous && previous->artifact->header.light_samples == artifact->header.light_samples) {

@@ -8,7 +8,8 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <utility>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "grpcpp/support/slice.h"
@@ -37,15 +38,11 @@ struct EncodedArtifact {
   // Row by row, and then the parts of the mask, which travel like tiles. Of a shadow volume mesh
   // all parts, volume by volume.
   std::vector<EncodedTile> tiles;
-  // Of a shadow volume mesh: the names of its parts, one a tile, and where each volume's begin.
+  // Of a shadow volume mesh: the names of its parts, one a tile; where each volume's begin, and
+  // where the last ends; and what the header names.
   std::vector<std::string> part_names;
   std::vector<size_t> first_parts;
-
-  // First and past the last.
-  std::pair<size_t, size_t> PartsOfVolume(size_t volume) const {
-    return {first_parts[volume],
-            volume + 1 < first_parts.size() ? first_parts[volume + 1] : tiles.size()};
-  }
+  std::vector<std::string> listed_heads;
 };
 
 // Any thread may use it, any number at a time; each keeps its compressor's memory.
@@ -66,6 +63,9 @@ class ArtifactEncoder {
   void EncodeWidths(const ShadowWidthMap& map, const EncodedArtifact* previous,
                     EncodedArtifact& encoded);
 
+  using KnownParts = std::unordered_map<std::string_view, const EncodedTile*>;
+  void EncodeVolume(const ShadowVolume& volume, const KnownParts& known, EncodedArtifact& encoded);
+  static void EncodeHeads(const KnownParts& known, EncodedArtifact& encoded);
   void EncodeVolumes(const ShadowVolumeMesh& mesh, const EncodedArtifact* previous,
                      EncodedArtifact& encoded);
   void EncodePayload(const ArtifactPayload& payload, const EncodedArtifact* previous,

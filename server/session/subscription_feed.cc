@@ -94,7 +94,9 @@ bool SubscriptionFeed::AddTiles(SharedSlices& shared) {
   for (; next_tile_ < tiles.size(); ++next_tile_) {
     const EncodedTile& tile = tiles[next_tile_];
     if (tile.changed_at <= base_) continue;
-    if (shared.bytes + tile.bytes.size() + kEnvelopeBytes > max_message_bytes_) return false;
+    // One at least, so that there is an end.
+    const bool fits = shared.bytes + tile.bytes.size() + kEnvelopeBytes <= max_message_bytes_;
+    if (!fits && shared.bytes > 0) return false;
     shared.Add(tile.bytes);
   }
   return true;

@@ -37,6 +37,7 @@ struct ObjectVolumes::Making {
   const AreaLight& light;
   double pitch;
   uint64_t texels = 0;  // of the maps of all volumes so far
+  size_t triangles = 0, vertices = 0;
   const SourceOf& source_of;
   const std::stop_token& stop;
 };
@@ -55,9 +56,10 @@ absl::StatusOr<ObjectVolumes::Kept> ObjectVolumes::MakeFromMap(const Instance& i
   if (!source.ok()) return source.status();
   auto faces = DrawFaces(views, **source, making.stop);
   if (!faces.ok()) return faces.status();
-  ReconstructedVolume built = ReconstructVolume(*std::move(faces), options_);
-  return Kept{.volume = std::make_shared<ShadowVolume>(std::move(built.volume)),
-              .edge_fraction = built.edge_fraction};
+  auto built = ReconstructVolume(*std::move(faces), options_, making.stop);
+  if (!built.ok()) return built.status();
+  return Kept{.volume = std::make_shared<ShadowVolume>(std::move(built->volume)),
+              .edge_fraction = built->edge_fraction};
 }
 
 absl::StatusOr<ObjectVolumes::Kept> ObjectVolumes::Make(const Instance& instance,
@@ -74,6 +76,14 @@ absl::StatusOr<ObjectVolumes::Kept> ObjectVolumes::Make(const Instance& instance
   return kept;
 }
 
+// What the light, or an edit, left nothing of.
+void ObjectVolumes::Forget(const std::map<std::string, ContentHash>& wanted) {
+  std::erase_if(kept_, [&](const auto& entry) {
+    const auto content = wanted.find(entry.first);
+    return content == wanted.end() || content->second != entry.second.content;
+  });
+}
+
 absl::StatusOr<ShadowVolumeMesh> ObjectVolumes::Update(const Scene& scene, const AreaLight& light,
                                                        const SourceOf& source_of,
                                                        const std::stop_token& stop) {
@@ -85,32 +95,42 @@ absl::StatusOr<ShadowVolumeMesh> ObjectVolumes::Update(const Scene& scene, const
                 .pitch = SteadyPitch(PitchFor(light, bounds, options_.resolution)),
                 .source_of = source_of,
                 .stop = stop};
-  ShadowVolumeMesh mesh{.light = light, .bias_px = options_.bias_px, .volumes = {}};
-  std::map<std::string, Kept> next;
-  double edge_fraction = 0;
+  std::map<std::string, ContentHash> wanted;
   for (const auto& [id, instance] : scene.instances()) {
     if (!instance->casts || instance->mesh->triangle_count() == 0) continue;
+    wanted[id] = HashOfVolume(HashOfCaster(*instance, precision_, making.pitch), light, options_);
+  }
+  Forget(wanted);
+  for (const auto& [id, content] : wanted) {
     if (stop.stop_requested()) return absl::CancelledError("stopped");
-    const ContentHash content =
-        HashOfVolume(HashOfCaster(*instance, precision_, making.pitch), light, options_);
-    Kept& kept = kept_[id];
-    if (kept.content != content) {
-      auto made = Make(*instance, content, making);
+    if (!kept_.contains(id)) {
+      auto made = Make(*scene.FindInstance(id), content, making);
       if (!made.ok()) return made.status();
-      kept = *std::move(made);
+      kept_[id] = *std::move(made);
       ++made_;
     }
-    if (kept.volume) {
-      mesh.volumes.push_back(kept.volume);
-      making.texels += kept.volume->sample_count();
-      edge_fraction += kept.edge_fraction * static_cast<double>(kept.volume->sample_count());
+    if (const auto& volume = kept_[id].volume) {
+      making.texels += volume->sample_count();
+      making.triangles += volume->weighed_triangle_count();
+      making.vertices += volume->vertices.size();
     }
-    next[id] = kept;
+    absl::Status status = CheckVolumeTexels(making.texels, {});
+    status.Update(CheckVolumeSize(making.triangles, making.vertices));
+    if (!status.ok()) return status;
   }
-  kept_ = std::move(next);
-  if (making.texels > 0) {
-    mesh.edge_fraction = static_cast<float>(edge_fraction / static_cast<double>(making.texels));
+  return MeshOfKept(light);
+}
+
+ShadowVolumeMesh ObjectVolumes::MeshOfKept(const AreaLight& light) const {
+  ShadowVolumeMesh mesh{.light = light, .bias_px = options_.bias_px, .volumes = {}};
+  double edges = 0, samples = 0;
+  for (const auto& [id, kept] : kept_) {
+    if (kept.volume == nullptr) continue;
+    mesh.volumes.push_back(kept.volume);
+    const auto count = static_cast<double>(kept.volume->sample_count());
+    edges += kept.edge_fraction * count, samples += count;
   }
+  if (samples > 0) mesh.edge_fraction = static_cast<float>(edges / samples);
   return mesh;
 }
 

@@ -40,10 +40,11 @@ class ObjectVolumes {
   ObjectVolumes(const ShadowVolumeOptions& options, ObjectPrecision precision)
       : options_(options), precision_(precision) {}
 
-  // Volumes of all casters that the light sees, in the order of instances.
+  // Volumes of all casters that the light sees, in the order of instances; those made from edges
+  // wherever the light shines.
   //
-  // Errors  those of CheckShadowVolumeOptions, CheckVolumeTexels, `source_of` and
-  //         DepthSource::Draw, after which what was made is kept
+  // Errors  those of CheckShadowVolumeOptions, CheckVolumeTexels, CheckVolumeSize,
+  //         `source_of` and DepthSource::Draw, after which what was made is kept
   absl::StatusOr<ShadowVolumeMesh> Update(const Scene& scene, const AreaLight& light,
                                           const SourceOf& source_of, const std::stop_token& stop);
 
@@ -59,6 +60,9 @@ class ObjectVolumes {
   };
 
   struct Making;
+
+  void Forget(const std::map<std::string, ContentHash>& wanted);
+  ShadowVolumeMesh MeshOfKept(const AreaLight& light) const;
 
   absl::StatusOr<Kept> Make(const Instance& instance, const ContentHash& content,
                             const Making& making) const;

@@ -11,22 +11,28 @@
 
 namespace penumbra {
 
-ReconstructedVolume ReconstructVolume(std::vector<VolumeFace> faces,
-                                      const ShadowVolumeOptions& options,
-                                      std::span<const std::vector<uint32_t>> ids) {
+absl::StatusOr<ReconstructedVolume> ReconstructVolume(std::vector<VolumeFace> faces,
+                                                      const ShadowVolumeOptions& options,
+                                                      const std::stop_token& stop,
+                                                      std::span<const std::vector<uint32_t>> ids) {
   ReconstructedVolume result;
   VolumeTriangles mesh;
   for (size_t i = 0; i < faces.size(); ++i) {
+    if (stop.stop_requested()) return absl::CancelledError("stopped");
     const VolumeGrid grid(faces[i].map, faces[i].border, options.bias_px);
     const std::span<const uint32_t> face_ids =
         i < ids.size() ? std::span(ids[i]) : std::span<const uint32_t>();
     const EdgeMap edges = FindEdges(grid, options.edges, face_ids);
+    if (stop.stop_requested()) return absl::CancelledError("stopped");
     if (options.vectorizes) {
       AddWalls(grid, edges, mesh);
     } else {
       AddTriangles(grid, edges, options.reconstruction, mesh);
     }
     result.edge_fraction += edges.fraction() / static_cast<double>(faces.size());
+    const size_t triangles = mesh.indices.size() / 3 + (mesh.is_cut_off ? kMaxVolumeTriangles : 0);
+    const auto status = CheckVolumeSize(triangles, mesh.vertices.size());
+    if (!status.ok()) return status;
   }
   result.volume.kind = options.vectorizes ? VolumeKind::kVectorized : VolumeKind::kReconstructed;
   result.volume.faces = std::move(faces);
@@ -63,6 +69,14 @@ absl::Status CheckVolumeTexels(uint64_t so_far, std::span<const VolumeView> view
                                  " texels or more, need at most ", kMaxVolumeTexels));
 }
 
+absl::Status CheckVolumeSize(size_t triangles, size_t vertices) {
+  if (triangles <= kMaxVolumeTriangles && vertices <= kMaxVolumeVertices) return absl::OkStatus();
+  return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_VOLUME_TRIANGLES", "resolution",
+                    absl::StrCat("found one, or thresholds, at which the boundary has more than ",
+                                 kMaxVolumeTriangles, " triangles or ", kMaxVolumeVertices,
+                                 " vertices, need fewer"));
+}
+
 absl::StatusOr<ShadowVolumeMesh> BuildShadowVolumes(const Scene& scene, const AreaLight& light,
                                                     const ShadowVolumeOptions& options,
                                                     DepthSource& source,
@@ -84,10 +98,11 @@ absl::StatusOr<ShadowVolumeMesh> BuildShadowVolumes(const Scene& scene, const Ar
     if (!seen.ok()) return seen.status();
     ids.push_back(*std::move(seen));
   }
-  ReconstructedVolume built = ReconstructVolume(*std::move(faces), options, ids);
-  built.volume.content = HashOfVolume(scene.content_hash(), light, options);
-  mesh.edge_fraction = static_cast<float>(built.edge_fraction);
-  mesh.volumes.push_back(std::make_shared<ShadowVolume>(std::move(built.volume)));
+  auto built = ReconstructVolume(*std::move(faces), options, stop, ids);
+  if (!built.ok()) return built.status();
+  built->volume.content = HashOfVolume(scene.content_hash(), light, options);
+  mesh.edge_fraction = static_cast<float>(built->edge_fraction);
+  mesh.volumes.push_back(std::make_shared<ShadowVolume>(std::move(built->volume)));
   return mesh;
 }
 

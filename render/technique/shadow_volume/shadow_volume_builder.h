@@ -27,11 +27,16 @@ struct ReconstructedVolume {
 
 // From maps of VolumeViews, the borders of which are joined.
 //
-// ids   of the objects that samples are on, one vector a map, row by row; empty: not known
-// Cost  about 3 ns a sample and 0.1 µs a cell with an edge
-ReconstructedVolume ReconstructVolume(std::vector<VolumeFace> faces,
-                                      const ShadowVolumeOptions& options,
-                                      std::span<const std::vector<uint32_t>> ids = {});
+// ids     of the objects that samples are on, one vector a map, row by row; empty: not known
+// Errors  kCancelled: stop requested, which is asked for once a map; those of CheckVolumeSize
+// Cost    about 3 ns a sample and 0.1 µs a cell with an edge
+absl::StatusOr<ReconstructedVolume> ReconstructVolume(
+    std::vector<VolumeFace> faces, const ShadowVolumeOptions& options, const std::stop_token& stop,
+    std::span<const std::vector<uint32_t>> ids = {});
+
+// Errors  kResourceExhausted QUOTA_VOLUME_TRIANGLES, at "resolution": more than
+//         kMaxVolumeTriangles or kMaxVolumeVertices
+absl::Status CheckVolumeSize(size_t triangles, size_t vertices);
 
 // Draws the views by `source` and joins their borders.
 //
@@ -50,8 +55,8 @@ using InstancesOf = std::function<absl::StatusOr<std::vector<uint32_t>>(const Li
 //
 // source        draws `scene`
 // instances_of  needed where options.has_instance_edges
-// Errors        those of CheckShadowVolumeOptions, CheckVolumeTexels, `instances_of` and
-//               DepthSource::Draw
+// Errors        those of CheckShadowVolumeOptions, CheckVolumeTexels, `instances_of`,
+//               DepthSource::Draw and ReconstructVolume
 absl::StatusOr<ShadowVolumeMesh> BuildShadowVolumes(const Scene& scene, const AreaLight& light,
                                                     const ShadowVolumeOptions& options,
                                                     DepthSource& source,

@@ -14,7 +14,7 @@ inline constexpr uint32_t kMinVolumeResolution = 8, kMaxVolumeResolution = 8'192
 // In pixels' widths.
 inline constexpr float kMaxVolumeBias = 64.0f;
 inline constexpr float kMaxEdgeThreshold = 1e6f;
-// Of all maps together: a gigabyte while they are made. As many as a client takes.
+// Of all maps together: half a gigabyte with what is made of them. As many as a client takes.
 inline constexpr uint64_t kMaxVolumeTexels = uint64_t{1} << 26;
 
 // What a shadow's boundary is made of.

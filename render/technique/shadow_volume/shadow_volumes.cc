@@ -1,8 +1,8 @@
 #include "render/technique/shadow_volume/shadow_volumes.h"
 
 #include <algorithm>
-#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,8 +26,8 @@ namespace {
 constexpr float kHighOverLow = 4.0f;
 
 // Of the places between samples, the part that may have an edge before someone should know: a map
-// of a scene that is not finer than it has a fifth of that.
-constexpr float kManyEdges = 0.2f;
+// of a scene that is not finer than it has a tenth of that, one of leaves the half.
+constexpr float kManyEdges = 0.5f;
 
 const ShadowVolumeParams& ParamsOf(const ArtifactSpec& spec) {
   return std::get<ShadowVolumeParams>(spec.params);
@@ -44,18 +44,19 @@ ShadowVolumeOptions OptionsOf(const ShadowVolumeParams& params) {
     }
     options.edges.thresholds = thresholds;
   }
-  options.has_instance_edges = params.object_ids;
+  options.has_instance_edges = params.object_ids && params.volumes_of == VolumesOf::kScene;
   options.vectorizes = params.surface == VolumeSurface::kLines;
   if (params.surface == VolumeSurface::kFixed) options.reconstruction = Reconstruction::kFixedMesh;
   if (params.surface == VolumeSurface::kAll) options.reconstruction = Reconstruction::kAllCells;
   return options;
 }
 
-// What is kept from revision to revision. Volumes are those of the artifact, and take no memory of
-// their own.
+// What is kept from revision to revision. Volumes are those of the artifact, with which they share
+// their memory; at most the newest is made of some of them.
 struct Memory {
   std::shared_ptr<void> bvhs;
-  std::map<uint32_t, ObjectVolumes> volumes;  // by resolution
+  std::optional<ObjectVolumes> volumes;
+  bool was_final = false;  // the artifact was made whole once
 };
 
 // Of this computation alone where nothing can be kept.
@@ -74,7 +75,8 @@ class Maker {
         light_(*scene.FindLight(spec.light_id)),
         context_(context),
         memory_(MemoryOf(context)),
-        bvhs_(KeptBvhs(context, &memory_->bvhs)) {}
+        bvhs_(KeptBvhs(context, &memory_->bvhs)),
+        alone_(context.stop) {}
 
   absl::StatusOr<ShadowVolumeMesh> Make(uint32_t resolution) {
     ShadowVolumeOptions options = OptionsOf(params_);
@@ -84,17 +86,21 @@ class Maker {
 
   // What drew last; of each caster what was to draw.
   const std::string& drawn_by() const { return drawn_by_; }
+  // A coarse pass is for who has nothing yet: parts of the final one that stay as they are are not
+  // sent again only where nothing came between.
+  bool begins_coarse() const { return context_.progress != nullptr && !memory_->was_final; }
+  void SetFinal() { memory_->was_final = true; }
 
  private:
-  absl::StatusOr<std::unique_ptr<DepthSource>> SourceOf(const Scene& scene) {
+  absl::StatusOr<std::unique_ptr<DepthSource>> SourceOf(const Scene& scene, CasterBvhs& bvhs) {
     return MakeDepthSource(
         params_.source, scene,
-        {.bvhs = bvhs_, .arena = context_.arena, .gl = context_.gl, .gl_error = context_.gl_error},
-        "shadow_volume.source");
+        {.bvhs = bvhs, .arena = context_.arena, .gl = context_.gl, .gl_error = context_.gl_error},
+        "source");
   }
 
   absl::StatusOr<ShadowVolumeMesh> MakeOfAll(const ShadowVolumeOptions& options) {
-    const auto source = SourceOf(scene_);
+    const auto source = SourceOf(scene_, bvhs_);
     if (!source.ok()) return source.status();
     const auto instances_of = [this](const LightView& view) {
       return RayDepthSource(bvhs_.Of(scene_), context_.arena).InstancesIn(view, context_.stop);
@@ -108,10 +114,12 @@ class Maker {
     const ObjectPrecision precision = params_.volumes_of == VolumesOf::kEdges
                                           ? ObjectPrecision::kWhereItIsLess
                                           : ObjectPrecision::kNever;
-    ObjectVolumes& volumes =
-        memory_->volumes.try_emplace(options.resolution, options, precision).first->second;
-    return volumes.Update(
-        scene_, light_, [this](const Scene& scene) { return SourceOf(scene); }, context_.stop);
+    const auto source_of = [this](const Scene& scene) { return SourceOf(scene, alone_); };
+    if (options.resolution != params_.resolution) {
+      return ObjectVolumes(options, precision).Update(scene_, light_, source_of, context_.stop);
+    }
+    if (!memory_->volumes) memory_->volumes.emplace(options, precision);
+    return memory_->volumes->Update(scene_, light_, source_of, context_.stop);
   }
 
   const Scene& scene_;
@@ -120,6 +128,7 @@ class Maker {
   const ComputeContext& context_;
   const std::shared_ptr<Memory> memory_;
   CasterBvhs bvhs_;
+  CasterBvhs alone_;  // of scenes of one caster, which are not for the store that all share
   std::string drawn_by_{NameOf(params_.source)};
 };
 
@@ -140,7 +149,7 @@ ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec) {
       {"high_threshold", threshold(thresholds.high)},
       {"surface", std::string(NameOf(params.surface))},
       {"volumes_of", std::string(NameOf(params.volumes_of))},
-      {"object_ids", params.object_ids ? "true" : "false"},
+      {"object_ids", options.has_instance_edges ? "true" : "false"},
   };
   return header;
 }
@@ -180,8 +189,7 @@ absl::StatusOr<Artifact> ShadowVolumes::Compute(const Scene& scene, const Artifa
   Stopwatch watch(context.now_ms);
   Maker maker(scene, spec, context);
   ArtifactHeader header = HeaderFor(scene, spec);
-  for (const uint32_t resolution :
-       MapPasses(ParamsOf(spec).resolution, context.progress != nullptr)) {
+  for (const uint32_t resolution : MapPasses(ParamsOf(spec).resolution, maker.begins_coarse())) {
     auto mesh = maker.Make(resolution);
     if (!mesh.ok()) return Within("shadow_volume.", mesh.status());
     SetPass(*mesh, resolution, maker.drawn_by(), header);
@@ -189,7 +197,10 @@ absl::StatusOr<Artifact> ShadowVolumes::Compute(const Scene& scene, const Artifa
     Artifact artifact{.header = header, .payload = *std::move(mesh)};
     artifact.header.timings_ms["compute"] = watch.ElapsedMs();
     ++header.pass;
-    if (header.is_final) return artifact;
+    if (header.is_final) {
+      maker.SetFinal();
+      return artifact;
+    }
     context.progress(std::move(artifact));
   }
   return absl::InternalError("no pass was the last");

@@ -11,7 +11,8 @@ namespace penumbra {
 // Shapes  a scene → a ShadowVolumeMesh
 // Errors  Check: NOT_FOUND for the light, INVALID_ARGUMENT for a parameter;
 //         Compute: FAILED_PRECONDITION NO_GL where GL is to draw and there is none;
-//         RESOURCE_EXHAUSTED QUOTA_VOLUME_TEXELS: all maps together have too many
+//         RESOURCE_EXHAUSTED QUOTA_VOLUME_TEXELS, QUOTA_VOLUME_TRIANGLES: all maps, or all
+//         volumes, together have too many
 // Source  McCool 2000
 class ShadowVolumes final : public Technique {
  public:

@@ -11,16 +11,11 @@ namespace penumbra {
 namespace {
 
 // Homogeneous: a position, or the direction towards it.
-DVec4 PlaceOf(const AreaLight& light) {
-  const auto* distant = std::get_if<DistantLight>(&light.shape);
-  return distant ? DVec4(DVec3(distant->to_light), 0.0) : DVec4(LightExtent(light).center(), 1.0);
-}
-
 }  // namespace
 
 ShadowVolume SilhouetteVolume(const Instance& instance, const AreaLight& light) {
   ShadowVolume volume{.kind = VolumeKind::kObject};
-  const DVec4 place = PlaceOf(light);
+  const DVec4 place = PlaceOfMiddle(light);
   // In the world: a map of the mesh may turn faces over, or flatten them.
   std::vector<Vec3> positions;
   for (const Vec3& p : instance.mesh->positions()) {

@@ -3,6 +3,8 @@
 #include <array>
 #include <bit>
 
+#include "render/artifact/shadow_volume_mesh.h"
+
 namespace penumbra {
 namespace {
 
@@ -72,6 +74,9 @@ class Builder {
     }
     // Infinitely far two corners are one place where rays are parallel.
     if (seeing < (grid_.from_infinity() ? 2 : 1)) return;
+    mesh_.is_cut_off = mesh_.is_cut_off || mesh_.indices.size() >= 3 * kMaxVolumeTriangles ||
+                       mesh_.vertices.size() + 3 > kMaxVolumeVertices;
+    if (mesh_.is_cut_off) return;
     if (!grid_.is_right_handed()) std::swap(at[1], at[2]);
     for (const GridCorner& corner : at) mesh_.indices.push_back(VertexOf(corner.x, corner.y));
   }

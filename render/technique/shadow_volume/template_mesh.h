@@ -15,6 +15,8 @@ namespace penumbra {
 struct VolumeTriangles {
   std::vector<Vec4> vertices;     // homogeneous, world space
   std::vector<uint32_t> indices;  // counter-clockwise seen from the lit side
+  // There would have been more than kMaxVolumeTriangles or kMaxVolumeVertices.
+  bool is_cut_off = false;
 };
 
 // Which of a cell's two triangles there are, as bits 0 and 1, for a code and a split (1: along
@@ -31,7 +33,8 @@ enum class Reconstruction : uint8_t {
   kAllCells,   // of every cell: what the others are parts of
 };
 
-// Appends. Vertices are shared within a call; triangles of which nothing is near are left out.
+// Appends, up to kMaxVolumeTriangles. Vertices are shared within a call; triangles of which nothing
+// is near are left out.
 void AddTriangles(const VolumeGrid& grid, const EdgeMap& edges, Reconstruction reconstruction,
                   VolumeTriangles& mesh);
 

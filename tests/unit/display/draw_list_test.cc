@@ -4,8 +4,8 @@
 
 #include <variant>
 
+#include "client/display/suggest_ambient.h"
 #include "client/display/surface_glsl.h"
-#include "client/display/tone.h"
 
 namespace penumbra {
 namespace {

@@ -95,7 +95,9 @@ TEST(VolumeViewsTest, SixViewsCloseUp) {
   std::vector<VolumeFace> faces;
   for (DepthMap& map : maps) faces.push_back({std::move(map), VolumeBorder::kOthers});
   const ShadowVolume volume =
-      ReconstructVolume(std::move(faces), {.reconstruction = Reconstruction::kAllCells}).volume;
+      ReconstructVolume(std::move(faces), {.reconstruction = Reconstruction::kAllCells}, {})
+          .value()
+          .volume;
   EXPECT_EQ(volume.triangle_count(), 6u * 7 * 7 * 2);
   using Place = std::array<float, 4>;
   std::map<std::pair<Place, Place>, int> uses;
@@ -210,7 +212,7 @@ TEST(ReconstructVolumeTest, BadMapsHaveFiniteVolumes) {
       for (int i = 0; i < width * height; ++i) map.depths.push_back(kBad[dice.Below(9)]);
       for (const bool vectorizes : {false, true}) {
         const ShadowVolume volume =
-            ReconstructVolume({{.map = map}}, {.vectorizes = vectorizes}).volume;
+            ReconstructVolume({{.map = map}}, {.vectorizes = vectorizes}, {}).value().volume;
         for (const Vec4& v : volume.vertices) {
           EXPECT_TRUE(std::isfinite(v.x + v.y + v.z + v.w) && v.w >= 0);
         }

@@ -155,6 +155,30 @@ TEST(ShadowVolumesTest, ThresholdsThatSelectEverythingAreWarnedOf) {
   }
 }
 
+// By itself, and with all samples ready to be looked up in, a point is the same.
+TEST(ShadowVolumesTest, PointsAreLookedUpInTwoWays) {
+  const Vec3 places[] = {{0.3f, 3, 0.2f}, {0.1f, 0.4f, 0.2f}};  // one view, and six
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> coordinate(-1.9f, 1.9f);
+  for (const Vec3 place : places) {
+    const auto scene = SceneOf(
+        {.upsert_instances = {Floor(), Box("box", {0, 1, 0})}, .upsert_lights = {PointAt(place)}});
+    for (const VolumesOf of : {VolumesOf::kScene, VolumesOf::kInstances, VolumesOf::kEdges}) {
+      const auto artifact = Compute(*scene, {.resolution = 64, .volumes_of = of}).value();
+      const VolumeLookup lookup(MeshIn(artifact));
+      int dark = 0;
+      for (int i = 0; i < 2000; ++i) {
+        const Vec3 point(coordinate(random), 0.5f * coordinate(random), coordinate(random));
+        const float seen = Visibility(artifact, point, Vec3(0, 1, 0));
+        EXPECT_EQ(seen, lookup.Visibility(point, Vec3(0, 1, 0)));
+        dark += seen == 0;
+      }
+      EXPECT_GT(dark, 100);
+      EXPECT_LT(dark, 1900);
+    }
+  }
+}
+
 // One threshold decides on the other.
 TEST(ShadowVolumesTest, EitherThresholdMayBeGiven) {
   const auto scene = SceneOf({.upsert_instances = {Floor(), Box("box", {0, 1, 0})},

@@ -160,7 +160,7 @@ TEST(WallFitTest, WallsEncloseTheShadow) {
     });
     ShadowVolumeOptions options{.vectorizes = true, .bias_px = 0};
     options.edges.thresholds = kPlain;
-    const ShadowVolume volume = ReconstructVolume({{.map = map}}, options).volume;
+    const ShadowVolume volume = ReconstructVolume({{.map = map}}, options, {}).value().volume;
     EXPECT_EQ(volume.kind, VolumeKind::kVectorized);
     const VolumeTriangles mesh{volume.vertices, volume.indices};
     const auto end = [&](bool inside) {
@@ -188,7 +188,7 @@ TEST(WallFitTest, WallsThatMeetLeaveNoGap) {
   });
   ShadowVolumeOptions options{.vectorizes = true, .bias_px = 0};
   options.edges.thresholds = kPlain;
-  const ShadowVolume volume = ReconstructVolume({{.map = map}}, options).volume;
+  const ShadowVolume volume = ReconstructVolume({{.map = map}}, options, {}).value().volume;
   const VolumeTriangles mesh{volume.vertices, volume.indices};
   size_t crossed = 0;
   for (int i = 0; i < 4000; ++i) {
