@@ -64,8 +64,8 @@ absl::Status Run(const PushCommand& command, const Console& console, std::stop_t
   for (const std::string& note : plan->notes) console.Note(note);
   if (plan->receiver_ids.empty()) {
     console.Note(
-        "no receiver is named (--floor, --receiver, --receiver-instance, --every-polygon): soft_texture "
-        "has none to show shadows on until a client adds one");
+        "no receiver is named (--floor, --receiver, --receiver-instance, --every-polygon): until a "
+        "client adds one soft_texture has nothing to show shadows on");
   }
   Report(command, *plan, *revision, traffic, wall_ms, console);
   return absl::OkStatus();

@@ -119,9 +119,49 @@ TEST_F(VolumePicturesTest, WhatDoesNotReceiveStaysLit) {
   SceneDelta delta = Wall({kLeft});
   delta.upsert_instances[0].receives = false;
   const auto scene = SceneOf(delta);
-  const Picture picture = Draw(*scene, Artifacts(*scene)), plain = Draw(*scene, {});
-  const float lit = plain.At(kInShadow, kMiddle).x;
-  EXPECT_NEAR(picture.At(kInShadow, kMiddle).x, lit, 1e-5f * lit);
+  const float lit = Draw(*scene, {}).At(kInShadow, kMiddle).x;
+  for (const VolumeShading shading :
+       {VolumeShading::kAmbient, VolumeShading::kComposited, VolumeShading::kBlack}) {
+    const Picture picture = Draw(*scene, Artifacts(*scene), {.shading = shading});
+    EXPECT_NEAR(picture.At(kInShadow, kMiddle).x, lit, 1e-5f * lit);
+  }
+}
+
+// Each light counts once, however many surfaces there are at one place.
+TEST_F(VolumePicturesTest, SurfacesAtOnePlaceAreLitOnce) {
+  SceneDelta delta = Wall({kLeft, kRight});
+  const auto once = SceneOf(delta);
+  Instance again = delta.upsert_instances[0];
+  again.id = "wall again";
+  again.casts = false;
+  delta.upsert_instances.push_back(again);
+  const auto twice = SceneOf(delta);
+  const Picture one = Draw(*once, Artifacts(*once)), two = Draw(*twice, Artifacts(*twice));
+  for (const int x : {kLit, kInShadow, 63 - kInShadow}) {
+    EXPECT_NEAR(two.At(x, kMiddle).x, one.At(x, kMiddle).x, 1e-5f);
+  }
+}
+
+// Pictures of several squares are the same as their parts.
+TEST_F(VolumePicturesTest, SquaresFitTogether) {
+  const auto scene = SceneOf(Wall({kLeft}));
+  const auto artifacts = Artifacts(*scene);
+  RenderOptions options = kSquare;
+  options.width = options.height = 640;
+  options.samples_per_side = 2;
+  const auto picture = renderer_->Render(*context_, *scene, artifacts, kFront, options);
+  ASSERT_TRUE(picture.ok()) << picture.status();
+  const Picture small = Draw(*scene, artifacts), plain = Draw(*scene, {});
+  size_t different = 0;
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const bool is_dark = small.At(x, y).x < 0.6f * plain.At(x, y).x;
+      const bool is_dark_there =
+          picture->At(10 * x + 5, 10 * y + 5).x - 1 + kAmbient < 0.6f * plain.At(x, y).x;
+      different += is_dark != is_dark_there;
+    }
+  }
+  EXPECT_LT(different, 64u);
 }
 
 TEST_F(VolumePicturesTest, GivesWayToOtherArtifactsOfTheLight) {

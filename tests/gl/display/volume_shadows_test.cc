@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "render/artifact/light_extent.h"
 #include "render/light_view/auto_depth_source.h"
 #include "render/technique/shadow_volume/object_volumes.h"
 #include "render/technique/shadow_volume/shadow_volume_builder.h"
@@ -89,14 +90,14 @@ class VolumeShadowsTest : public SoftwareContextTest {
     Dice dice(71);
     for (int i = 0; i < eyes; ++i) {
       const DVec3 from = DVec3(0, 1, 0) + reach * DVec3(dice.InCube(1)) * DVec3(1, 0.6, 1);
-      const DVec3 to = i % 4 == 0 ? LightOf(mesh) : DVec3(dice.InCube(1.2f));
+      const DVec3 to = i % 4 == 0 ? DVec3(LightOf(mesh)) + (1 - LightOf(mesh).w) * from
+                                  : DVec3(dice.InCube(1.2f));
       const EyeImage eye = EyeAt(from, to + DVec3(1e-3), i % 2 == 0 ? 0.02 : 0.4);
       take(eye, rays, masks.MaskOf(*lit, artifact, eye));
     }
   }
-  static DVec3 LightOf(const ShadowVolumeMesh& mesh) {
-    return DVec3(std::get<PointLight>(mesh.light.shape).position);
-  }
+  // A place, or a direction.
+  static DVec4 LightOf(const ShadowVolumeMesh& mesh) { return PlaceOfMiddle(mesh.light); }
 
   // Against rays and, of all that they see, the same mesh's crossings counted on the CPU.
   MaskComparison Compare(const Scene& scene, const ShadowVolumeMesh& mesh, double reach,
@@ -112,7 +113,7 @@ class VolumeShadowsTest : public SoftwareContextTest {
                  sum.Add(testing::CompareMasks({.rays = rays,
                                                 .mesh = mesh,
                                                 .eye = eye,
-                                                .light = DVec4(LightOf(mesh), 1),
+                                                .light = LightOf(mesh),
                                                 .drawn = std::move(drawn)},
                                                arena_));
                });
@@ -147,6 +148,19 @@ TEST_F(VolumeShadowsTest, SixViewsHaveNoCracksBetween) {
   EXPECT_LE(masks.largest_astray, 16u);
 }
 
+// Its volumes reach a point infinitely far, and the ground has nothing behind it.
+TEST_F(VolumeShadowsTest, TheSunsVolumesReachInfinitelyFar) {
+  const auto scene = PileOnFloor();
+  const AreaLight sun{
+      .id = "light", .shape = DistantLight{.to_light = Vec3(0.4f, 1, 0.3f), .irradiance = Vec3(1)}};
+  const auto mesh = Build(*scene, sun);
+  size_t not_as_cpu = 0;
+  const MaskComparison masks = Compare(*scene, mesh, 4, not_as_cpu);
+  EXPECT_LT(not_as_cpu, masks.pixels / 500);
+  EXPECT_LT(masks.not_as_rays, masks.pixels / 50);
+  EXPECT_LE(masks.largest_astray, 16u);
+}
+
 TEST_F(VolumeShadowsTest, VolumesOfManyAreUnitedByCounting) {
   const auto scene = PileOnFloor();
   for (const auto precision : {ObjectPrecision::kNever, ObjectPrecision::kWhereItIsLess}) {
@@ -158,12 +172,12 @@ TEST_F(VolumeShadowsTest, VolumesOfManyAreUnitedByCounting) {
         [&](const EyeImage& eye, const testing::EyeRays& rays, const std::vector<uint8_t>& drawn) {
           const testing::EyeView view = rays.See(eye, arena_);
           const auto counted = testing::MaskOf(mesh, eye, view);
-          const auto traced = rays.Shadow(view, DVec4(LightOf(mesh), 1), 1e-4f, arena_);
+          const auto traced = rays.Shadow(view, LightOf(mesh), 1e-4f, arena_);
           for (size_t i = 0; i < drawn.size(); ++i) {
             if (view.inverse_depths[i] == 0) continue;
             ++pixels;
             not_as_cpu += drawn[i] != counted[i];
-            const DVec3 to_light = LightOf(mesh) - DVec3(view.points[i]);
+            const DVec3 to_light = DVec3(LightOf(mesh)) - LightOf(mesh).w * DVec3(view.points[i]);
             const bool faces_it = glm::dot(to_light, DVec3(view.normals[i])) > 0;
             not_as_rays += faces_it && drawn[i] != traced[i];
           }
@@ -195,6 +209,31 @@ TEST(VolumeTurnTest, PassesOfEachDirectionAreEvenlyApart) {
     EXPECT_EQ(along_z.size(), static_cast<size_t>(passes));
   }
   EXPECT_EQ(VolumeTurn(mesh, 0, 1), DMat4(1.0));
+}
+
+// From a place: what is a metre ahead moves by up to half a sample along s and t.
+TEST(VolumeTurnTest, TurnsAreOfHalfASample) {
+  ShadowVolumeMesh mesh{.light = PointAt(Vec3(1, 2, 3))};
+  LightView view{.width = 64, .height = 64};
+  view.frame = {.origin = DVec3(1, 2, 3),
+                .axes = {DVec3(1, 0, 0), DVec3(0, 0, 1), DVec3(0, -1, 0)}};
+  view.window = {.min = DVec2(-0.5), .max = DVec2(0.5)};
+  mesh.volumes.push_back(
+      std::make_shared<ShadowVolume>(ShadowVolume{.faces = {{.map = {.view = view}}}}));
+  const int passes = 16;
+  double least = 1, most = -1;
+  for (int pass = 0; pass < passes; ++pass) {
+    const DVec4 moved = VolumeTurn(mesh, pass, passes) * DVec4(1, 1, 3, 1);
+    EXPECT_LT(moved.y, 1.0);
+    EXPECT_LT(std::abs(moved.x - 1) * 64, 0.52);
+    EXPECT_LT(std::abs(moved.z - 3) * 64, 0.52);
+    least = std::min(least, (moved.x - 1) * 64), most = std::max(most, (moved.x - 1) * 64);
+    EXPECT_NEAR(
+        glm::length(DVec3(VolumeTurn(mesh, pass, passes) * DVec4(1, 2, 3, 1)) - DVec3(1, 2, 3)), 0,
+        1e-12);
+  }
+  EXPECT_LT(least, -0.4);
+  EXPECT_GT(most, 0.4);
 }
 
 }  // namespace

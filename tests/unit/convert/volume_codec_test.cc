@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/gtc/matrix_transform.hpp>
 #include <random>
 #include <set>
 #include <string>
 
 #include "proto/convert/artifact_assembler.h"
 #include "proto/convert/artifact_convert.h"
+#include "render/artifact/volume_cap.h"
 #include "render/scene/field_error.h"
 #include "tests/support/random_volume_mesh.h"
 
@@ -190,14 +192,22 @@ constexpr Wrong kWrong[] = {
     {"volume_part.triangles.corners", [](auto& u) { TrianglesOf(u).add_corners(1); }},
     {"volume_part.triangles.vertex_count",
      [](auto& u) { TrianglesOf(u).set_vertex_count(1u << 31); }},
-    {"volume_part.triangles.weights", [](auto& u) { TrianglesOf(u).set_weights(0, 128); }},
-    {"volume_part.triangles.weights", [](auto& u) { TrianglesOf(u).add_weights(1); }},
+    {"volume_part.triangles", [](auto& u) { TrianglesOf(u).add_weights(1); }},
+    {"volume_part.triangles", [](auto& u) { TrianglesOf(u).set_are_the_casters(true); }},
+    {"volume_part.head.instance_id", [](auto& u) { HeadOf(u).set_instance_id("a\nb"); }},
+    {"volume_part.head.faces", [](auto& u) { HeadOf(u).clear_faces(); }},
+    {"volume_part.head.faces",
+     [](auto& u) { HeadOf(u).mutable_faces(0)->mutable_view()->set_from_infinity(true); }},
+    {"shadow_volume_mesh.volumes",
+     [](auto& u) {
+       auto& mesh = *u.mutable_header()->mutable_shadow_volume_mesh();
+       mesh.add_volumes(mesh.volumes(0));
+     }},
 };
 
 TEST(VolumeCodecTest, WhatCannotBeIsRefused) {
-  ShadowVolume volume = RandomVolume(8, 300, VolumeKind::kReconstructed);
-  volume.weights.assign(300, 1);
-  const v1::ArtifactUpdate whole = UpdateOf(ArtifactOf({std::move(volume)}), 0);
+  const v1::ArtifactUpdate whole =
+      UpdateOf(ArtifactOf({RandomVolume(8, 300, VolumeKind::kReconstructed)}), 0);
   ASSERT_TRUE(ArtifactAssembler().Add(whole).ok());
   for (const Wrong& wrong : kWrong) {
     v1::ArtifactUpdate update = whole;
@@ -208,9 +218,29 @@ TEST(VolumeCodecTest, WhatCannotBeIsRefused) {
   }
 }
 
+// Of an object: weights that are none or too many, and casters infinitely far.
+TEST(VolumeCodecTest, WhatAnObjectCannotHaveIsRefused) {
+  const v1::ArtifactUpdate whole =
+      UpdateOf(ArtifactOf({RandomVolume(8, 300, VolumeKind::kObject)}), 0);
+  ASSERT_TRUE(ArtifactAssembler().Add(whole).ok());
+  for (void (*spoil)(v1::VolumeTriangles&) :
+       {+[](v1::VolumeTriangles& t) { t.set_weights(0, 128); },
+        +[](v1::VolumeTriangles& t) { t.add_weights(1); }}) {
+    v1::ArtifactUpdate update = whole;
+    spoil(TrianglesOf(update));
+    EXPECT_EQ(ErrorFieldPath(ArtifactAssembler().Add(update).status()),
+              "volume_part.triangles.weights");
+  }
+  ShadowVolume far_caster = RandomVolume(8, 300, VolumeKind::kObject);
+  far_caster.caster_indices[0] = 4;
+  EXPECT_EQ(ErrorFieldPath(ArtifactAssembler().Add(UpdateOf(ArtifactOf({far_caster}), 0)).status()),
+            "volume_part.triangles.corners");
+}
+
 // Not a number, infinite, or behind the projection.
 TEST(VolumeCodecTest, VerticesThatAreNoPlacesAreRefused) {
-  for (const Vec4 vertex : {Vec4(NAN, 0, 0, 1), Vec4(0, INFINITY, 0, 1), Vec4(0, 0, 0, -1)}) {
+  for (const Vec4 vertex : {Vec4(NAN, 0, 0, 1), Vec4(0, INFINITY, 0, 1), Vec4(0, 0, 0, -1), Vec4(0),
+                            Vec4(1e30f, 0, 0, 1e-30f)}) {
     ShadowVolume volume = RandomVolume(9, 100, VolumeKind::kReconstructed);
     volume.vertices[50] = vertex;
     const auto status = ArtifactAssembler().Add(UpdateOf(ArtifactOf({volume}), 0)).status();
@@ -236,19 +266,36 @@ TEST(VolumeCodecTest, LimitsHold) {
   EXPECT_FALSE(ArtifactAssembler(limits).Add(UpdateOf(ArtifactOf({volume}), 0)).ok());
 }
 
-// No update, however its bytes were changed, does worse than being refused.
+// No update, however its bytes were changed, does worse than being refused; what is taken can be
+// looked up in and capped.
 TEST(VolumeCodecTest, ChangedBytesDoNoHarm) {
-  const std::string bytes = UpdateOf(ArtifactOf({RandomVolume(12, 200, VolumeKind::kObject),
+  const std::string bytes = UpdateOf(ArtifactOf({RandomVolume(12, 40, VolumeKind::kObject),
                                                  RandomVolume(13, 60, VolumeKind::kReconstructed)}),
                                      0)
                                 .SerializeAsString();
+  SceneLimits limits;
+  limits.max_receiver_texels = 1 << 18;
   std::mt19937 random(14);
-  for (int turn = 0; turn < 2000; ++turn) {
+  int taken = 0;
+  for (int turn = 0; turn < 4000; ++turn) {
     std::string changed = bytes;
-    for (int i = 0; i < 1 + turn % 4; ++i) changed[random() % 3000] = static_cast<char>(random());
-    v1::ArtifactUpdate update;
-    if (update.ParseFromString(changed)) ArtifactAssembler().Add(update).status().IgnoreError();
+    for (int i = 0; i < 1 + turn % 3; ++i) {
+      changed[random() % changed.size()] = static_cast<char>(random());
+    }
+    v1::ArtifactUpdate proto;
+    if (!proto.ParseFromString(changed)) continue;
+    const auto update = ArtifactAssembler(limits).Add(proto);
+    if (!update.ok() || !*update || !(*update)->artifact) continue;
+    ++taken;
+    const ShadowVolumeMesh& mesh = MeshOf(*update);
+    const float seen = Visibility(mesh, Vec3(0.3f, 0.2f, -1), Vec3(0, 0, 1));
+    EXPECT_TRUE(seen == 0 || seen == 1);
+    const DMat4 clip = glm::perspective(1.0, 1.0, 0.1, 10.0);
+    for (const auto& volume : mesh.volumes) {
+      VolumeCapper(*volume, mesh.bias_px, mesh.light).CapsFor(clip, 0.1);
+    }
   }
+  EXPECT_GT(taken, 100);
 }
 
 }  // namespace

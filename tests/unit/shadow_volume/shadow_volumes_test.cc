@@ -102,6 +102,7 @@ TEST(ShadowVolumesTest, ParametersAreChecked) {
               {.source = DepthMethod::kGl})
           .status();
   EXPECT_EQ(without_gl.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(ErrorFieldPath(without_gl), "shadow_volume.source") << without_gl;
 }
 
 TEST(ShadowVolumesTest, NothingToSeeIsNoVolume) {
@@ -223,6 +224,38 @@ TEST(ShadowVolumesTest, WhatDidNotMoveIsKept) {
   }
 }
 
+// The sum counts, however little of it is new.
+TEST(ShadowVolumesTest, TheQuotaIsOfAllVolumes) {
+  SceneDelta delta{.upsert_lights = {PointAt({0, 9, 0})}};
+  const auto ball = [](const std::string& id) {
+    return Instance{.id = id,
+                    .mesh = MeshOf(BallGeometry(8, 4)),
+                    .world_from_mesh = Placed(Vec3(0, 0.1f, 0), 2)};
+  };
+  delta.upsert_instances = {ball("b")};
+  const auto one = SceneOf(delta);
+  MemoryBudget budget(size_t{64} << 20);
+  TechniqueMemory memory{.budget = budget};
+  const ShadowVolumeParams params{.resolution = 6000, .volumes_of = VolumesOf::kInstances};
+  ASSERT_TRUE(Compute(*one, params, &memory).ok());
+  SceneDelta more;
+  more.upsert_instances = {ball("a"), ball("c")};
+  const auto kept = Compute(*one->Apply(more).value(), params, &memory).status();
+  const auto fresh = Compute(*one->Apply(more).value(), params).status();
+  EXPECT_EQ(kept.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(kept, fresh);
+}
+
+TEST(ShadowVolumesTest, TooManyTrianglesAreRefused) {
+  const auto scene =
+      SceneOf({.upsert_instances = {Floor()}, .upsert_lights = {PointAt({0.4f, 3, 0.2f})}});
+  const auto status =
+      Compute(*scene, {.resolution = 4096, .surface = VolumeSurface::kAll}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ErrorFieldPath(status), "shadow_volume.resolution");
+  EXPECT_EQ(ErrorReason(status), "QUOTA_VOLUME_TRIANGLES");
+}
+
 TEST(ShadowVolumesTest, LargeMapsComeCoarseFirst) {
   const auto scene = SceneOf({.upsert_instances = {Floor(), Box("box", {0, 1, 0})},
                               .upsert_lights = {PointAt({0, 3, 0})}});
@@ -233,6 +266,13 @@ TEST(ShadowVolumesTest, LargeMapsComeCoarseFirst) {
   EXPECT_FALSE(passes[0].header.is_final);
   EXPECT_TRUE(artifact.header.is_final);
   EXPECT_EQ(artifact.header.pass, 1u);
+  // Once all is there, an edit sends what it changed, and nothing coarse between.
+  MemoryBudget budget(size_t{64} << 20);
+  TechniqueMemory memory{.budget = budget};
+  passes.clear();
+  ASSERT_TRUE(Compute(*scene, {.resolution = 1024}, &memory, &passes).ok());
+  ASSERT_TRUE(Compute(*scene, {.resolution = 1024}, &memory, &passes).ok());
+  EXPECT_EQ(passes.size(), 1u);
 }
 
 // A ball each, so large that every map of one is as large as that of all.
