@@ -124,7 +124,7 @@ TEST(VolumeCodecTest, PartsLeftOutAreAsTheyWere) {
   const v1::ArtifactUpdate difference = UpdateOf(after, 1, NamesOf(before));
   // The head, a tile of depths, and the triangles around the gap.
   EXPECT_LE(difference.volume_parts_size(), 4);
-  EXPECT_GT(static_cast<int>(NamesOf(before).size()), 40);
+  EXPECT_GT(NamesOf(before).size(), 40u);
   const auto second = assembler.Add(difference);
   ASSERT_TRUE(second.ok()) << second.status();
   ExpectSame(MeshOf(*second), MeshOf(after));
@@ -140,8 +140,7 @@ TEST(VolumeCodecTest, WhatIsMissingIsTold) {
     ArtifactAssembler assembler;
     EXPECT_EQ(assembler.Add(lacking).status().code(), absl::StatusCode::kDataLoss) << part;
   }
-  // What was held before does not count where all is said to come.
-  ArtifactAssembler assembler;
+  ArtifactAssembler assembler;  // what was held before does not count where all is said to come
   ASSERT_TRUE(assembler.Add(whole).ok());
   EXPECT_EQ(assembler.Add(UpdateOf(artifact, 0, NamesOf(artifact))).status().code(),
             absl::StatusCode::kDataLoss);
@@ -222,7 +221,6 @@ TEST(VolumeCodecTest, WhatCannotBeIsRefused) {
 TEST(VolumeCodecTest, WhatAnObjectCannotHaveIsRefused) {
   const v1::ArtifactUpdate whole =
       UpdateOf(ArtifactOf({RandomVolume(8, 300, VolumeKind::kObject)}), 0);
-  ASSERT_TRUE(ArtifactAssembler().Add(whole).ok());
   for (void (*spoil)(v1::VolumeTriangles&) :
        {+[](v1::VolumeTriangles& t) { t.set_weights(0, 128); },
         +[](v1::VolumeTriangles& t) { t.add_weights(1); }}) {
