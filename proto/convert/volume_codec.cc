@@ -94,6 +94,7 @@ class TriangleParts {
 
   // Those that no triangle has.
   void AddRestOfVertices() {
+    Begin(false, volume_.indices.size());
     while (part_.end_vertex < volume_.vertices.size()) {
       part_.end_vertex = std::min(volume_.vertices.size(), part_.first_vertex + kMaxPartVertices);
       End();

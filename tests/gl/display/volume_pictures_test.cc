@@ -132,7 +132,7 @@ TEST_F(VolumePicturesTest, SurfacesAtOnePlaceAreLitOnce) {
   SceneDelta delta = Wall({kLeft, kRight});
   const auto once = SceneOf(delta);
   Instance again = delta.upsert_instances[0];
-  again.id = "wall again";
+  again.id = "wall-again";
   again.casts = false;
   delta.upsert_instances.push_back(again);
   const auto twice = SceneOf(delta);
