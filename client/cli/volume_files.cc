@@ -41,7 +41,11 @@ class FinitePlaces {
  public:
   explicit FinitePlaces(const ShadowVolumeMesh& mesh) {
     const DVec4 middle = PlaceOfMiddle(mesh.light);
-    (middle.w == 0 ? from_light_ : light_) = Vec3(DVec3(middle)) * (middle.w == 0 ? -1.0f : 1.0f);
+    if (middle.w == 0) {
+      from_light_ = -Vec3(DVec3(middle));
+    } else {
+      light_ = Vec3(DVec3(middle));
+    }
     Aabb bounds;
     for (const auto& volume : mesh.volumes) {
       for (const Vec4& v : volume->vertices) {

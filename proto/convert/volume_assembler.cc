@@ -120,7 +120,7 @@ absl::Status VolumeAssembler::CheckWhole(const ShadowVolumeMesh& mesh) const {
                      "found a view that is not from the light, need one from there");
     }
     samples += volume->sample_count();
-    triangles += volume->weighed_triangle_count();
+    triangles += volume->weighed_triangle_count() + volume->caster_indices.size() / 3;
     vertices += volume->vertices.size();
   }
   if (samples <= limits_.max_receiver_texels && triangles <= kMaxVolumeTriangles &&

@@ -111,7 +111,7 @@ absl::StatusOr<ShadowVolumeMesh> ObjectVolumes::Update(const Scene& scene, const
     }
     if (const auto& volume = kept_[id].volume) {
       making.texels += volume->sample_count();
-      making.triangles += volume->weighed_triangle_count();
+      making.triangles += volume->weighed_triangle_count() + volume->caster_indices.size() / 3;
       making.vertices += volume->vertices.size();
     }
     absl::Status status = CheckVolumeTexels(making.texels, {});
