@@ -27,15 +27,33 @@ absl::StatusOr<Revision> LiveScene::Commit(const SceneDelta& delta, const SceneL
   if (ended_) return SceneHasEnded(*before);
   auto applied = before->Apply(delta, limits);
   if (!applied.ok()) return applied.status();
-  const std::shared_ptr<const Scene> after = *std::move(applied);
+  const Revision revision = (*applied)->revision();
+  MakeHead(*before, *std::move(applied), delta);
+  return revision;
+}
+
+absl::Status LiveScene::Publish(std::shared_ptr<const Scene> after, const SceneDelta& delta) {
+  std::lock_guard order(order_mutex_);
+  const std::shared_ptr<const Scene> before = Snapshot();
+  if (ended_) return SceneHasEnded(*before);
+  if (after->revision() != before->revision() + 1) {
+    return FieldError(absl::StatusCode::kAborted, "STALE_BASE", "base_revision",
+                      absl::StrCat("found ", after->revision() - 1, ", need the scene's revision ",
+                                   before->revision()));
+  }
+  MakeHead(*before, std::move(after), delta);
+  return absl::OkStatus();
+}
+
+void LiveScene::MakeHead(const Scene& before, std::shared_ptr<const Scene> after,
+                         const SceneDelta& delta) {
   {
     std::lock_guard lock(head_mutex_);
     head_ = after;
   }
-  SceneChange change(*before, *after, delta);
+  SceneChange change(before, *after, delta);
   for (const auto& [key, channel] : channels_) channel->OnCommit(after, change);
   if (!delta.upsert_receivers.empty()) ShareViews();
-  return after->revision();
 }
 
 absl::Status LiveScene::Subscribe(const ArtifactSpec& spec, const Technique& technique,

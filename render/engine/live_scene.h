@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "absl/status/statusor.h"
 #include "render/engine/channel.h"
@@ -16,13 +17,17 @@ namespace penumbra {
 
 class LiveScene {
  public:
-  explicit LiveScene(const std::string& id) : head_(Scene::Empty(id)) {}
+  explicit LiveScene(std::shared_ptr<const Scene> head) : head_(std::move(head)) {}
 
   // Waits for no commit, let alone for a job.
   std::shared_ptr<const Scene> Snapshot() const;
 
   // Errors  those of Scene::Apply; kNotFound: the scene has ended
   absl::StatusOr<Revision> Commit(const SceneDelta& delta, const SceneLimits& limits);
+
+  // Makes `after`, which is the head with `delta` applied, the head.
+  // Errors  kNotFound: the scene has ended; kAborted: there is another head by now
+  absl::Status Publish(std::shared_ptr<const Scene> after, const SceneDelta& delta);
 
   // Errors  kNotFound: the scene has ended; kResourceExhausted: it follows `max_channels` specs
   absl::Status Subscribe(const ArtifactSpec& spec, const Technique& technique,
@@ -39,6 +44,7 @@ class LiveScene {
 
  private:
   // With the order locked, as for all that follow.
+  void MakeHead(const Scene& before, std::shared_ptr<const Scene> after, const SceneDelta& delta);
   void ShareViews(Channel& channel, const Scene& scene) const;
   void ShareViews() const;
 

@@ -79,6 +79,11 @@ LocalEngine::~LocalEngine() {
 
 absl::Status LocalEngine::CreateScene(const std::string& scene_id) {
   if (absl::Status id = CheckId(scene_id, "scene_id"); !id.ok()) return id;
+  return RestoreScene(Scene::Empty(scene_id));
+}
+
+absl::Status LocalEngine::RestoreScene(std::shared_ptr<const Scene> scene) {
+  const std::string scene_id = scene->id();
   std::lock_guard lock(scenes_->mutex);
   if (scenes_->by_id.contains(scene_id)) {
     return FieldError(absl::StatusCode::kAlreadyExists, "DUPLICATE_ID", "scene_id",
@@ -89,7 +94,7 @@ absl::Status LocalEngine::CreateScene(const std::string& scene_id) {
                       absl::StrCat("found ", scenes_->by_id.size(), " scenes, need fewer than ",
                                    options_.max_scenes, " before another"));
   }
-  scenes_->by_id.emplace(scene_id, std::make_shared<LiveScene>(scene_id));
+  scenes_->by_id.emplace(scene_id, std::make_shared<LiveScene>(std::move(scene)));
   return absl::OkStatus();
 }
 
@@ -130,6 +135,12 @@ absl::StatusOr<Revision> LocalEngine::Commit(const std::string& scene_id, const 
   auto scene = Find(scene_id);
   if (!scene.ok()) return scene.status();
   return (*scene)->Commit(delta, options_.scene_limits);
+}
+
+absl::Status LocalEngine::Publish(std::shared_ptr<const Scene> after, const SceneDelta& delta) {
+  auto scene = Find(after->id());
+  if (!scene.ok()) return scene.status();
+  return (*scene)->Publish(std::move(after), delta);
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> LocalEngine::Snapshot(const std::string& scene_id) {

@@ -60,9 +60,15 @@ class LocalEngine : public Engine {
   ~LocalEngine() override;
 
   absl::Status CreateScene(const std::string& scene_id) override;
+  // Creates a scene that is as `scene` is, at its revision. Errors  those of CreateScene
+  absl::Status RestoreScene(std::shared_ptr<const Scene> scene);
   absl::Status DeleteScene(const std::string& scene_id) override;
   absl::StatusOr<std::vector<SceneInfo>> ListScenes() override;
   absl::StatusOr<Revision> Commit(const std::string& scene_id, const SceneDelta& delta) override;
+  // The second half of a commit: makes `after`, which is the scene's head with `delta` applied, the
+  // head. For whoever has something to do between finding out that a delta is good and telling it.
+  // Errors  kNotFound: no such scene; kAborted STALE_BASE: there has been another commit
+  absl::Status Publish(std::shared_ptr<const Scene> after, const SceneDelta& delta);
   absl::StatusOr<std::shared_ptr<const Scene>> Snapshot(const std::string& scene_id) override;
   // A light or receiver that is not there is no error here: the first update says so, and the
   // commit that adds it mends it. Errors, further  kResourceExhausted QUOTA_ARTIFACTS

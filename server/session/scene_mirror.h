@@ -12,9 +12,6 @@
 
 namespace penumbra {
 
-// What turns `from` into `to`. Shared tables and objects are not looked into.
-SceneDelta Difference(const Scene& from, const Scene& to);
-
 class SceneMirror {
  public:
   explicit SceneMirror(size_t max_message_bytes) : max_message_bytes_(max_message_bytes) {}

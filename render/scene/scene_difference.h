@@ -1,0 +1,11 @@
+// What one scene has that another has not.
+#pragma once
+
+#include "render/scene/scene.h"
+
+namespace penumbra {
+
+// What turns `from` into `to`. Shared tables and objects are not looked into.
+SceneDelta Difference(const Scene& from, const Scene& to);
+
+}  // namespace penumbra

@@ -1,0 +1,187 @@
+#include "server/storage/data_directory.h"
+
+#include <fcntl.h>
+#include <openssl/rand.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "render/scene/field_error.h"
+#include "server/storage/durable_file.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kFormatName[] = "penumbra-data";
+constexpr int kFormat = 1;
+constexpr char kSceneSuffix[] = ".db";
+constexpr const char* kFileSuffixes[] = {"", "-wal"};
+
+absl::Status Refused(const char* reason, const std::string& path, const std::string& found,
+                     const char* need) {
+  return FieldError(absl::StatusCode::kFailedPrecondition, reason, "data-dir",
+                    absl::StrCat("found ", path, " ", found, ", need ", need));
+}
+
+absl::Status CheckFolder(const std::string& path) {
+  struct stat info {};
+  if (::lstat(path.c_str(), &info) != 0) {
+    if (errno != ENOENT || ::mkdir(path.c_str(), 0700) != 0) {
+      return Refused("DATA_DIR", path, absl::StrCat("which is not there: ", std::strerror(errno)),
+                     "a folder, or one to make it in");
+    }
+    return SyncFolder(fs::absolute(path).parent_path());
+  }
+  if (S_ISLNK(info.st_mode))
+    return Refused("DATA_DIR", path, "which is a link", "the folder itself");
+  if (!S_ISDIR(info.st_mode)) return Refused("DATA_DIR", path, "which is a file", "a folder");
+  if (info.st_uid != ::geteuid()) {
+    return Refused("DATA_DIR", path, "which another user owns", "a folder of this one");
+  }
+  if (::access(path.c_str(), W_OK | X_OK) != 0) {
+    return Refused("DATA_DIR", path, absl::StrCat("where: ", std::strerror(errno)),
+                   "a folder to write in");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<int> Lock(const std::string& path) {
+  const std::string file = path + "/LOCK";
+  const int lock = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (lock < 0) {
+    return Refused("DATA_DIR", path, absl::StrCat("where LOCK: ", std::strerror(errno)),
+                   "a folder to write in");
+  }
+  if (::flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
+  ::close(lock);
+  return Refused("DATA_DIR_LOCKED", path, "which another server has", "a folder of its own");
+}
+
+}  // namespace
+
+std::string RandomBytes(size_t count) {
+  std::string bytes(count, '\0');
+  RAND_bytes(reinterpret_cast<unsigned char*>(bytes.data()), static_cast<int>(count));
+  return bytes;
+}
+
+absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(const std::string& path) {
+  if (auto status = CheckFolder(path); !status.ok()) return status;
+  const auto lock = Lock(path);
+  if (!lock.ok()) return lock.status();
+  std::unique_ptr<DataDirectory> directory(new DataDirectory(path, *lock));
+  if (auto status = directory->Prepare(); !status.ok()) return status;
+  return directory;
+}
+
+DataDirectory::~DataDirectory() { ::close(lock_); }
+
+absl::Status DataDirectory::Prepare() {
+  const std::string format_path = path_ + "/FORMAT";
+  const auto format = ReadFileIfThere(format_path);
+  if (!format.ok()) return format.status();
+  if (format->empty()) {
+    for (const auto& entry : fs::directory_iterator(path_)) {
+      if (entry.path().filename() == "LOCK" || entry.path().filename() == "FORMAT.new") continue;
+      return Refused("DATA_DIR_FOREIGN", path_,
+                     "with " + entry.path().filename().string() + " in it and no FORMAT",
+                     "an empty folder or one of a server's");
+    }
+    identity_ = RandomBytes(16);
+    if (auto status = WriteDurably(
+            format_path,
+            absl::StrCat(kFormatName, " ", kFormat, " ", absl::BytesToHexString(identity_), "\n"));
+        !status.ok()) {
+      return status;
+    }
+    return MakeFolders();
+  }
+  char name[32];
+  char hex[33];
+  int version = 0;
+  if (std::sscanf(format->c_str(), "%31s %d %32[0-9a-f]", name, &version, hex) < 2 ||
+      std::string_view(name) != kFormatName) {
+    return Refused("DATA_DIR_FOREIGN", path_, "whose FORMAT is none of ours", "a server's folder");
+  }
+  if (version > kFormat) {
+    return Refused("NEWER_FORMAT", path_, absl::StrCat("of format ", version),
+                   "one of format 1: a newer server wrote it");
+  }
+  identity_ = absl::HexStringToBytes(hex);
+  if (identity_.size() != 16) {
+    return Refused("DATA_DIR_FOREIGN", path_, "whose FORMAT is cut", "a server's folder");
+  }
+  return MakeFolders();
+}
+
+absl::Status DataDirectory::MakeFolders() const {
+  for (const char* folder : {"/scenes", "/blobs"}) {
+    const std::string path = path_ + folder;
+    if (::mkdir(path.c_str(), 0700) != 0 && errno != EEXIST) return FileError(path, errno);
+  }
+  return SyncFolder(path_);
+}
+
+std::string DataDirectory::ScenePath(const std::string& scene_id, uint64_t number) const {
+  return absl::StrCat(path_, "/scenes/", scene_id, "~", number, kSceneSuffix);
+}
+
+absl::StatusOr<std::map<std::string, uint64_t>> DataDirectory::SceneFiles() const {
+  std::map<std::string, uint64_t> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(path_ + "/scenes", error)) {
+    const std::string name = entry.path().filename().string();
+    const size_t tilde = name.rfind('~');  // which no id has
+    uint64_t number = 0;
+    if (tilde == std::string::npos || !name.ends_with(kSceneSuffix) ||
+        !absl::SimpleAtoi(name.substr(tilde + 1, name.size() - tilde - 4), &number)) {
+      continue;
+    }
+    uint64_t& newest = files[name.substr(0, tilde)];
+    newest = std::max(newest, number);
+  }
+  if (error) return FileError(path_ + "/scenes", error.value());
+  return files;
+}
+
+absl::Status DataDirectory::RemoveScene(const std::string& scene_id, uint64_t number) {
+  std::error_code error;
+  for (; number > 0; --number) {
+    const std::string path = ScenePath(scene_id, number);
+    if (!fs::exists(path, error)) break;
+    for (const char* suffix : kFileSuffixes) {
+      if (auto status = RemoveDurably(path + suffix); !status.ok()) return status;
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status DataDirectory::PutAside(const std::string& scene_id, uint64_t number) {
+  const std::string folder = path_ + "/removed";
+  if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return FileError(folder, errno);
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const std::string name =
+      absl::StrCat(folder, "/", std::chrono::duration_cast<std::chrono::microseconds>(now).count(),
+                   "-", scene_id, kSceneSuffix);
+  for (const char* suffix : kFileSuffixes) {
+    const std::string file = ScenePath(scene_id, number) + suffix;
+    if (std::rename(file.c_str(), (name + suffix).c_str()) != 0 && errno != ENOENT) {
+      return FileError(file, errno);
+    }
+  }
+  if (auto status = SyncFolder(folder); !status.ok()) return status;
+  return SyncFolder(path_ + "/scenes");
+}
+
+}  // namespace penumbra

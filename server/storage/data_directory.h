@@ -1,0 +1,58 @@
+// The folder that a server keeps its scenes in, for as long as it runs.
+//
+//   FORMAT   what the folder is, and the data's identity      LOCK   held by the server that has it
+//   heads    how far each scene had come at some time         scenes/ID~N.db, blobs/HH/HASH
+//
+// A scene's file is begun anew, as the next N, where writing to it has failed: what the system then
+// says it holds is not to be relied on.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "absl/status/statusor.h"
+
+namespace penumbra {
+
+class DataDirectory {
+ public:
+  // Takes the folder; makes it, and what is in it, where the folder that it lies in is there.
+  //
+  // Errors  kFailedPrecondition  DATA_DIR: no folder, one that is a link, of another user or not
+  //         writable; DATA_DIR_LOCKED: another server has it; NEWER_FORMAT; DATA_DIR_FOREIGN: there
+  //         are other things in it. All name --data-dir, and the folder is as it was.
+  static absl::StatusOr<std::unique_ptr<DataDirectory>> Open(const std::string& path);
+  ~DataDirectory();
+  DataDirectory(const DataDirectory&) = delete;
+  DataDirectory& operator=(const DataDirectory&) = delete;
+
+  // 16 random bytes, made with the folder.
+  const std::string& identity() const { return identity_; }
+
+  std::string heads_path() const { return path_ + "/heads"; }
+  std::string blobs_path() const { return path_ + "/blobs"; }
+  std::string ScenePath(const std::string& scene_id, uint64_t number) const;
+  // The newest file of each scene that has one: its number, by the scene's id.
+  absl::StatusOr<std::map<std::string, uint64_t>> SceneFiles() const;
+  // Removes the files of a scene up to this number.
+  absl::Status RemoveScene(const std::string& scene_id, uint64_t number);
+  // Moves a scene's file to `removed/`, under a name that tells when.
+  absl::Status PutAside(const std::string& scene_id, uint64_t number);
+
+ private:
+  DataDirectory(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
+  absl::Status Prepare();
+  absl::Status MakeFolders() const;
+
+  const std::string path_;
+  const int lock_;
+  std::string identity_;
+};
+
+// `count` random bytes.
+std::string RandomBytes(size_t count);
+
+}  // namespace penumbra

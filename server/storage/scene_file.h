@@ -1,0 +1,103 @@
+// One scene on disk: snapshots, the commits since, and how commits were answered.
+//
+//   auto file = SceneFile::Create(path, identity, {});
+//   file->Append(commits);      // returns once they are on disk
+//   …
+//   auto file = SceneFile::Open(path, {});   // checks every byte that matters
+//   auto state = file->StateAt(file->head().revision);
+//
+// One thread at a time. Everything that is read back is held against hashes; what does not fit is
+// kDataLoss DAMAGED, and then the file is left as it is.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/storage/database.h"
+#include "server/storage/scene_record.h"
+#include "server/storage/wal_check.h"
+
+namespace penumbra {
+
+// How much of the past a scene's file keeps.
+struct HistoryLimits {
+  // Commits that can be replayed, and that sessions can resume from, are at least these and at most
+  // about twice as many.
+  uint64_t commits = 1'000;
+  // A whole snapshot is written when the commits since the last one take so many times its size.
+  uint64_t snapshot_after_bytes = 1u << 20;
+  // Answers to commits with a key.
+  uint64_t answers = 1'024;
+};
+
+// A snapshot and the commits after it, in their order.
+struct SceneState {
+  std::optional<SnapshotRecord> snapshot;  // none: the empty scene at revision 0
+  std::vector<CommitRecord> commits;
+  // Commits with a key up to the snapshot, of which only the answer is kept. For Create.
+  std::vector<CommitRecord> answers;
+};
+
+class SceneFile {
+ public:
+  // Makes the file at once whole, with `start` in it. There is none of that name.
+  // Errors  those of Database, also of all below
+  static absl::StatusOr<std::unique_ptr<SceneFile>> Create(const std::string& path,
+                                                           const SceneIdentity& identity,
+                                                           const DatabaseOptions& options,
+                                                           const SceneState& start = {});
+  static absl::StatusOr<std::unique_ptr<SceneFile>> Open(const std::string& path,
+                                                         const DatabaseOptions& options);
+
+  const SceneIdentity& identity() const { return identity_; }
+  const SceneHead& head() const { return head_; }
+  // The log's end was incomplete when the file was opened, and has been left out.
+  bool had_torn_tail() const { return had_torn_tail_; }
+  // Of consecutive revisions after the head. All of them are on disk when it returns; after an error
+  // none is.
+  absl::Status Append(std::span<const CommitRecord> commits);
+  // Keeps `snapshot`, of the head, and forgets what is older than the limits ask for.
+  absl::Status AppendSnapshot(const SnapshotRecord& snapshot, const HistoryLimits& limits);
+  bool is_snapshot_due(const HistoryLimits& limits) const;
+
+  // How to make the scene at `revision`: from the newest snapshot before it.
+  // Errors, further  kOutOfRange COMPACTED: it is older than what is kept
+  absl::StatusOr<SceneState> StateAt(Revision revision);
+  // The oldest revision that StateAt can make.
+  absl::StatusOr<Revision> OldestRevision();
+  // Commits after a revision that can be replayed, in their order.
+  absl::StatusOr<std::vector<CommitRecord>> History(Revision after);
+  // Commits with a key, with the deltas left out, oldest first: at most limits.answers of them.
+  absl::StatusOr<std::vector<CommitRecord>> Answers(const HistoryLimits& limits);
+  // Every delta and snapshot that is kept.
+  absl::Status ForEachBody(const std::function<absl::Status(std::string_view)>& visit);
+
+ private:
+  explicit SceneFile(Database database) : database_(std::move(database)) {}
+  absl::Status Begin(const SceneState& start);
+  absl::Status Verify();
+  absl::Status ReadIdentity();
+  absl::Status VerifySnapshots();
+  absl::Status VerifyCommits();
+  absl::Status WriteHead(const SceneHead& head);
+  absl::Status Insert(const CommitRecord& commit, bool with_delta, SceneHead& head);
+  absl::Status Insert(const SnapshotRecord& snapshot, const ContentHash& chain);
+  absl::Status Forget(const HistoryLimits& limits);
+  absl::Status CountSinceSnapshot();
+
+  Database database_;
+  SceneIdentity identity_;
+  SceneHead head_;
+  bool had_torn_tail_ = false;
+  // Since the newest snapshot.
+  uint64_t commits_since_ = 0;
+  uint64_t bytes_since_ = 0;
+  uint64_t snapshot_bytes_ = 0;
+};
+
+}  // namespace penumbra

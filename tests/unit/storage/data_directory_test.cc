@@ -1,0 +1,110 @@
+// Rows D08 and D09 of the catalogue: folders that a server does not take.
+#include "server/storage/data_directory.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "render/scene/field_error.h"
+#include "server/storage/durable_file.h"
+#include "server/storage/heads_file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+void ExpectRefused(const std::string& path, const char* reason) {
+  const auto directory = DataDirectory::Open(path);
+  ASSERT_FALSE(directory.ok());
+  EXPECT_EQ(directory.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(ErrorReason(directory.status()), reason) << directory.status();
+  EXPECT_EQ(ErrorFieldPath(directory.status()), "data-dir");
+}
+
+TEST(DataDirectoryTest, IsMadeOnceAndKeepsItsIdentity) {
+  const TemporaryFolder folder;
+  std::string identity;
+  {
+    const auto made = DataDirectory::Open(folder / "data");
+    ASSERT_EQ(made.status(), absl::OkStatus());
+    identity = (*made)->identity();
+    EXPECT_EQ(identity.size(), 16u);
+    EXPECT_EQ(fs::status(folder / "data").permissions(), fs::perms::owner_all);
+  }
+  const auto again = DataDirectory::Open(folder / "data");
+  ASSERT_EQ(again.status(), absl::OkStatus());
+  EXPECT_EQ((*again)->identity(), identity);
+}
+
+TEST(DataDirectoryTest, D08NoFolderToMakeItIn) {
+  const TemporaryFolder folder;
+  ExpectRefused(folder / "none/data", "DATA_DIR");
+  EXPECT_FALSE(fs::exists(folder / "none"));
+}
+
+TEST(DataDirectoryTest, D08AFileALinkAndAFolderOfOthers) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "file") << "text";
+  ExpectRefused(folder / "file", "DATA_DIR");
+  fs::create_directory(folder / "there");
+  fs::create_symlink(folder / "there", folder / "link");
+  ExpectRefused(folder / "link", "DATA_DIR");
+  std::ofstream(folder / "there/letter.txt") << "not ours";
+  ExpectRefused(folder / "there", "DATA_DIR_FOREIGN");
+  EXPECT_FALSE(fs::exists(folder / "there/FORMAT")) << "left as it was";
+}
+
+TEST(DataDirectoryTest, D08TwoServersCannotHaveIt) {
+  const TemporaryFolder folder;
+  auto first = DataDirectory::Open(folder / "data");
+  ASSERT_EQ(first.status(), absl::OkStatus());
+  ExpectRefused(folder / "data", "DATA_DIR_LOCKED");
+  first->reset();
+  EXPECT_EQ(DataDirectory::Open(folder / "data").status(), absl::OkStatus());
+}
+
+TEST(DataDirectoryTest, D09ANewerFormatIsLeftAlone) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(DataDirectory::Open(folder / "data").status(), absl::OkStatus());
+  const std::string newer = "penumbra-data 2 00112233445566778899aabbccddeeff\n";
+  ASSERT_EQ(WriteDurably(folder / "data/FORMAT", newer), absl::OkStatus());
+  ExpectRefused(folder / "data", "NEWER_FORMAT");
+  EXPECT_EQ(*ReadFileIfThere(folder / "data/FORMAT"), newer);
+}
+
+TEST(DataDirectoryTest, TheNewestFileOfAScene) {
+  const TemporaryFolder folder;
+  const auto data = DataDirectory::Open(folder / "data").value();
+  for (const uint64_t number : {1, 2, 10}) {
+    std::ofstream(data->ScenePath("a.b", number)) << number;
+  }
+  std::ofstream(data->ScenePath("c", 3) + ".new") << "half written";
+  EXPECT_EQ(data->SceneFiles().value(), (std::map<std::string, uint64_t>{{"a.b", 10}}));
+  ASSERT_EQ(data->PutAside("a.b", 10), absl::OkStatus());
+  EXPECT_EQ(data->SceneFiles().value(), (std::map<std::string, uint64_t>{{"a.b", 2}}));
+  ASSERT_EQ(data->RemoveScene("a.b", 2), absl::OkStatus());
+  EXPECT_TRUE(data->SceneFiles().value().empty());
+}
+
+TEST(HeadsFileTest, SaysWhatWasWrittenOrThatItIsDamaged) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "heads";
+  EXPECT_TRUE(ReadHeads(path).value().empty());
+  const KnownHeads heads{{"a", {std::string(16, '\x01'), 7}},
+                         {"b.c", {std::string(16, '\xff'), uint64_t{1} << 60}}};
+  ASSERT_EQ(WriteHeads(path, heads), absl::OkStatus());
+  EXPECT_EQ(ReadHeads(path).value(), heads);
+  const std::string text = *ReadFileIfThere(path);
+  for (size_t at = 0; at < text.size(); ++at) {
+    std::string flipped = text;
+    flipped[at] ^= 4;
+    ASSERT_EQ(WriteDurably(path, flipped), absl::OkStatus());
+    EXPECT_EQ(ReadHeads(path).status().code(), absl::StatusCode::kDataLoss) << at;
+  }
+}
+
+}  // namespace
+}  // namespace penumbra::testing

@@ -1,0 +1,143 @@
+#include "server/storage/scene_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "render/scene/field_error.h"
+#include "server/storage/durable_file.h"
+#include "tests/support/scene_records.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra::testing {
+namespace {
+
+class SceneFileTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<SceneFile> Create() {
+    return SceneFile::Create(path_, StudioIdentity(), {}).value();
+  }
+  // What is on disk at this moment, opened as after a crash: nothing has been closed.
+  std::unique_ptr<SceneFile> OpenACopy() {
+    const std::string copy = folder_ / "copy.db";
+    for (const char* suffix : {"", "-wal"}) {
+      const auto bytes = ReadFileIfThere(path_ + suffix);
+      EXPECT_EQ(WriteDurably(copy + suffix, *bytes), absl::OkStatus());
+    }
+    return SceneFile::Open(copy, {}).value();
+  }
+
+  TemporaryFolder folder_;
+  const std::string path_ = folder_ / "studio.db";
+};
+
+TEST_F(SceneFileTest, ANewFileIsAnEmptyScene) {
+  const auto file = Create();
+  EXPECT_EQ(file->head().revision, 0u);
+  EXPECT_EQ(file->identity().scene_id, "studio");
+  const auto state = file->StateAt(0).value();
+  EXPECT_FALSE(state.snapshot);
+  EXPECT_TRUE(state.commits.empty());
+  EXPECT_EQ(file->StateAt(1).status().code(), absl::StatusCode::kOutOfRange);
+}
+
+TEST_F(SceneFileTest, WhatIsAppendedIsThereWithoutClosing) {
+  const auto file = Create();
+  for (Revision revision = 1; revision <= 40; revision += 4) {
+    ASSERT_EQ(file->Append(CommitsBetween(revision, revision + 3)), absl::OkStatus());
+    const auto copy = OpenACopy();
+    EXPECT_EQ(copy->head(), file->head());
+    EXPECT_FALSE(copy->had_torn_tail());
+    EXPECT_EQ(TextOf(copy->StateAt(revision + 3).value()),
+              TextOf({.commits = CommitsBetween(1, revision + 3)}));
+  }
+}
+
+TEST_F(SceneFileTest, AGapIsNoHistory) {
+  const auto file = Create();
+  EXPECT_FALSE(file->Append(CommitsBetween(2, 3)).ok());
+  EXPECT_EQ(file->head().revision, 0u);
+  EXPECT_EQ(file->Append(CommitsBetween(1, 1)), absl::OkStatus());
+}
+
+TEST_F(SceneFileTest, SnapshotsShortenTheWayAndHistoryStaysLongEnough) {
+  const HistoryLimits limits{.commits = 10, .snapshot_after_bytes = 1u << 20, .answers = 5};
+  auto file = Create();
+  for (Revision revision = 1; revision <= 95; ++revision) {
+    ASSERT_EQ(file->Append(CommitsBetween(revision, revision)), absl::OkStatus());
+    if (file->is_snapshot_due(limits)) {
+      ASSERT_EQ(file->AppendSnapshot(SnapshotAt(revision), limits), absl::OkStatus());
+    }
+  }
+  file.reset();
+  file = SceneFile::Open(path_, {}).value();
+  EXPECT_EQ(file->head().revision, 95u);
+  EXPECT_EQ(file->OldestRevision().value(), 80u) << "the newest snapshot with ten commits after it";
+  EXPECT_EQ(TextOf(file->StateAt(95).value()),
+            TextOf({.snapshot = SnapshotAt(90), .commits = CommitsBetween(91, 95)}));
+  EXPECT_EQ(TextOf(file->StateAt(84).value()),
+            TextOf({.snapshot = SnapshotAt(80), .commits = CommitsBetween(81, 84)}));
+  const absl::Status compacted = file->StateAt(79).status();
+  EXPECT_EQ(compacted.code(), absl::StatusCode::kOutOfRange);
+  EXPECT_EQ(ErrorReason(compacted), "COMPACTED");
+  EXPECT_EQ(file->History(80).value().size(), 15u);
+  EXPECT_EQ(file->History(90).value().front().revision, 91u);
+}
+
+TEST_F(SceneFileTest, AnswersOutliveTheirDeltas) {
+  const HistoryLimits limits{.commits = 2, .answers = 4};
+  auto file = Create();
+  ASSERT_EQ(file->Append(CommitsBetween(1, 30)), absl::OkStatus());
+  ASSERT_EQ(file->AppendSnapshot(SnapshotAt(30), limits), absl::OkStatus());
+  ASSERT_EQ(file->Append(CommitsBetween(31, 33)), absl::OkStatus());
+  ASSERT_EQ(file->AppendSnapshot(SnapshotAt(33), limits), absl::OkStatus());
+  file = OpenACopy();
+  EXPECT_EQ(file->OldestRevision().value(), 30u);
+  const auto answers = file->Answers(limits).value();
+  ASSERT_EQ(answers.size(), 4u);
+  for (size_t i = 0; i < answers.size(); ++i) {
+    const CommitRecord expected = CommitAt(24 + 3 * i);
+    EXPECT_EQ(answers[i].key, expected.key);
+    EXPECT_EQ(answers[i].fingerprint, expected.fingerprint);
+    EXPECT_EQ(answers[i].content_hash, expected.content_hash);
+    EXPECT_TRUE(answers[i].delta.empty());
+  }
+}
+
+TEST_F(SceneFileTest, AFileMayBeginInTheMiddle) {
+  const SceneState start{.snapshot = SnapshotAt(12),
+                         .commits = CommitsBetween(13, 15),
+                         .answers = {CommitAt(6), CommitAt(12)}};
+  auto file = SceneFile::Create(path_, StudioIdentity(), {}, start).value();
+  ASSERT_EQ(file->Append(CommitsBetween(16, 16)), absl::OkStatus());
+  file = OpenACopy();
+  EXPECT_EQ(file->head().revision, 16u);
+  EXPECT_EQ(file->OldestRevision().value(), 12u);
+  EXPECT_EQ(file->Answers({}).value().size(), 3u) << "6, 12 and 15";
+}
+
+TEST_F(SceneFileTest, EveryBodyIsVisited) {
+  const auto file = Create();
+  ASSERT_EQ(file->Append(CommitsBetween(1, 5)), absl::OkStatus());
+  ASSERT_EQ(file->AppendSnapshot(SnapshotAt(5), {}), absl::OkStatus());
+  size_t count = 0;
+  ASSERT_EQ(file->ForEachBody([&](std::string_view) {
+    ++count;
+    return absl::OkStatus();
+  }),
+            absl::OkStatus());
+  EXPECT_EQ(count, 6u);
+}
+
+TEST_F(SceneFileTest, TwoCannotHaveIt) {
+  const auto file = Create();
+  ASSERT_EQ(file->Append(CommitsBetween(1, 1)), absl::OkStatus());
+  // SQLite's locks are a process's, so another process has to try.
+  const std::string command = "sqlite3 '" + path_ + "' 'SELECT count(*) FROM commits' 2>/dev/null";
+  if (std::system("command -v sqlite3 >/dev/null") != 0) GTEST_SKIP() << "no sqlite3 here";
+  EXPECT_NE(std::system(command.c_str()), 0);
+}
+
+}  // namespace
+}  // namespace penumbra::testing
