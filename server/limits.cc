@@ -24,6 +24,10 @@ v1::Limits ToProto(const ServerLimits& limits) {
   proto.set_max_transport_message_bytes(limits.max_transport_message_bytes);
   proto.set_max_metadata_bytes(limits.max_metadata_bytes);
   proto.set_max_streams_per_connection(limits.max_streams_per_connection);
+  proto.set_max_display_name_bytes(limits.max_display_name_bytes);
+  proto.set_max_selected_ids(limits.max_selected_ids);
+  proto.set_max_stall_seconds(static_cast<uint32_t>(limits.max_stall.count()));
+  proto.set_max_pending_commits(limits.max_pending_commits);
   return proto;
 }
 

@@ -59,6 +59,13 @@ struct ServerLimits {
   size_t max_idempotency_keys = 1'024;
   uint32_t max_idempotency_key_bytes = 64;
   uint32_t max_client_name_bytes = 256;
+  // What others are told of a user: names for people, and what is selected.
+  uint32_t max_display_name_bytes = 256;
+  uint32_t max_selected_ids = 256;
+  // A client that has not taken a message for so long is let go; it can resume.
+  std::chrono::seconds max_stall{30};
+  // Of one scene, on their way to the disk.
+  size_t max_pending_commits = 4'096;
 
   // Half a TLS handshake or HTTP/2 preface, then silence.
   std::chrono::milliseconds handshake_timeout{3'000};

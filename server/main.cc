@@ -59,7 +59,11 @@ int Serve(const CommandLine& command) {
   const sigset_t signals = BlockEndingSignals();
   AddressFile address_file(command.address_file);
   address_file.RemoveIfDead();
-  auto server = PenumbraServer::Start(command.server);
+  ServerOptions options = command.server;
+  options.report = [](const std::string& line) {
+    std::fprintf(stderr, "penumbrad: %s\n", line.c_str());
+  };
+  auto server = PenumbraServer::Start(options);
   if (!server.ok()) return Fail(std::string(server.status().message()));
   if (const auto status = address_file.Write((*server)->address()); !status.ok()) {
     return Fail(std::string(status.message()));
@@ -92,6 +96,8 @@ void AddOptions(CLI::App& app, CommandLine& command) {
   app.add_option("--egl-device", command.server.egl_device,
                  "EGL device, by number or part of its name; default: the first hardware device, "
                  "else software");
+  app.add_option("--data-dir", command.server.data_dir,
+                 "Folder to keep scenes in; they are back when the server is started again");
   app.add_flag("--reflection", command.server.reflection,
                "Let clients ask for the service's description");
   app.add_option("--drain-seconds", command.drain_seconds,

@@ -64,28 +64,41 @@ v1::GlInfo GlInfoOf(const GlWorker& worker) {
   return proto;
 }
 
+absl::StatusOr<std::unique_ptr<SceneStorage>> OpenStorage(const ServerOptions& options) {
+  if (options.data_dir.empty()) return nullptr;
+  auto report = options.report ? options.report : [](const std::string&) {};
+  return SceneStorage::Open(options.data_dir, options.storage, std::move(report));
+}
+
 }  // namespace
 
 // In the order in which they need one another; destroyed from below.
 struct PenumbraServer::Parts {
-  explicit Parts(const ServerOptions& options)
+  Parts(const ServerOptions& options, std::unique_ptr<SceneStorage> opened)
       : limits(options.limits),
+        storage(std::move(opened)),
         gl_worker(OpenGl(options)),
-        engine(EngineOptions(options, gl_worker)) {}
+        engine(EngineOptions(options, gl_worker)) {
+    if (storage) blobs.KeepOn(storage->blob_files());
+    scenes.Restore();
+  }
 
   const ServerLimits limits;
   ServerCounters counters;
   StreamServices stream_services{counters};
+  const std::unique_ptr<SceneStorage> storage;  // null: scenes live in memory
   const GlWorker gl_worker;
   LocalEngine engine;
   BlobStore blobs{limits};
-  SceneStore scenes{engine, limits, counters};
+  SceneStore scenes{engine, blobs, limits, counters, storage.get()};
   StreamTable streams{engine, stream_services};
+  PresenceTable presence;
   SessionTable sessions{limits};
   WorkerPool blob_workers{{kBlobWorkers}};
   PenumbraService service{ServiceParts{.sessions = {.scenes = scenes,
                                                     .blobs = blobs,
                                                     .streams = streams,
+                                                    .presence = presence,
                                                     .limits = limits,
                                                     .counters = counters},
                                        .session_table = sessions,
@@ -103,7 +116,9 @@ absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
     const ServerOptions& options) {
   if (auto status = CheckListenAddress(options.listen); !status.ok()) return status;
   if (auto status = TryListening(options.listen); !status.ok()) return status;
-  auto parts = std::make_unique<Parts>(options);
+  auto storage = OpenStorage(options);
+  if (!storage.ok()) return storage.status();
+  auto parts = std::make_unique<Parts>(options, *std::move(storage));
   PrepareTransport();
   grpc::ServerBuilder builder;
   ConfigureTransport(options.limits, options.reflection, builder);
@@ -145,6 +160,7 @@ void PenumbraServer::Shutdown(std::chrono::milliseconds drain) {
   parts_->server->Wait();
   parts_->server.reset();
   parts_->blob_workers.Stop();
+  if (parts_->storage) parts_->storage->Stop();
 }
 
 }  // namespace penumbra

@@ -28,6 +28,7 @@ bool MirroredScene::Push(v1::SceneUpdate update) {
   }
   if (is_continued) return false;
   pushed_revision_ = pieces_->revision();
+  pushed_hash_ = pieces_->content_hash();
   has_content_ = true;
   events_.emplace_back(*std::exchange(pieces_, std::nullopt));
   return !std::exchange(is_catching_up_, true);
@@ -38,7 +39,19 @@ void MirroredScene::PushOwn(SceneDelta delta, Revision revision, std::string con
   // A SceneUpdate has covered it already where others have committed as well.
   if (revision <= pushed_revision_) return;
   pushed_revision_ = revision;
+  pushed_hash_ = content_hash;
   events_.emplace_back(OwnCommit{std::move(delta), revision, std::move(content_hash)});
+}
+
+void MirroredScene::DropPieces() {
+  std::lock_guard lock(mutex_);
+  pieces_.reset();
+}
+
+std::optional<MirroredScene::Point> MirroredScene::pushed_point() const {
+  std::lock_guard lock(mutex_);
+  if (!has_content_) return std::nullopt;
+  return Point{pushed_revision_, pushed_hash_};
 }
 
 bool MirroredScene::ApplyNext(bool own_only) {

@@ -31,6 +31,15 @@ class MirroredScene {
   bool Push(v1::SceneUpdate update);
   void PushOwn(SceneDelta delta, Revision revision, std::string content_hash);
 
+  // The connection is another one: what had come of a change in pieces will come anew.
+  void DropPieces();
+  // Where all that was pushed leads to; what to resume from. None before a first whole content.
+  struct Point {
+    Revision revision = 0;
+    std::string content_hash;
+  };
+  std::optional<Point> pushed_point() const;
+
   // Applies what is waiting until nothing is. One at a time: until it returns Push asks for none.
   void CatchUp();
   // Applies own commits, where nothing that may have to be fetched comes before them and nobody is
@@ -79,6 +88,7 @@ class MirroredScene {
   bool is_catching_up_ = false;            // a job is going to, or does
   bool has_content_ = false;
   Revision pushed_revision_ = 0;  // where the events pushed so far lead to
+  std::string pushed_hash_;       // the content hash there
   std::shared_ptr<const Scene> scene_;
 };
 

@@ -9,7 +9,9 @@
 // so that no hop lies between the wire and the callback, and no slow callback keeps commits or
 // other subscriptions waiting. A callback slower than the updates misses those in between.
 //
-// When the server goes away, everything under way ends with kUnavailable. Later calls connect anew.
+// When the connection breaks, a session is resumed on another one: commits under way are sent again
+// under the key that makes them one, subscriptions go on, and the mirror hears what it has missed. What
+// cannot be resumed within `reconnect_for_s` ends with kUnavailable. Later calls connect anew.
 #pragma once
 
 #include <cstdint>
@@ -26,12 +28,26 @@ namespace penumbra {
 
 class ServerConnection;
 
+// What becomes of a scene's connection.
+struct ConnectionEvent {
+  enum class Kind { kLost, kRestored, kGivenUp };
+  Kind kind = Kind::kLost;
+  std::string scene_id;
+  absl::Status reason;          // why it was lost, or given up
+  int attempts = 0;             // to connect, so far
+  bool missed_nothing = false;  // restored: what has changed meanwhile was told in small
+};
+
 struct RemoteEngineOptions {
   std::string address;                   // "host:port"
   std::string client_name = "penumbra";  // for the server's log
   double connect_timeout_s = 5.0;
   // For the answer to anything but an artifact. A large upload has as long for each 16 MiB.
   double call_timeout_s = 30.0;
+  // How long a session that has lost its connection tries to get another one; 0: not at all.
+  double reconnect_for_s = 30.0;
+  // Told of that, on a thread of the session's; may be null.
+  std::function<void(const ConnectionEvent&)> on_connection = nullptr;
   // Told while meshes are being uploaded, on the thread that commits; may be null.
   std::function<void(uint64_t sent_bytes, uint64_t total_bytes)> upload_progress = nullptr;
 };

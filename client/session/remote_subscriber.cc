@@ -9,7 +9,7 @@ absl::StatusOr<bool> RemoteSubscriber::Receive(const v1::ArtifactUpdate& message
                                                const std::function<double(Revision)>& heard_ms) {
   ++incoming_.messages;
   incoming_.bytes += message.ByteSizeLong();
-  auto update = assembler_.Add(message);
+  auto update = assembler_->Add(message);
   if (!update.ok()) return update.status();
   if (!update->has_value()) return false;
 
@@ -19,9 +19,16 @@ absl::StatusOr<bool> RemoteSubscriber::Receive(const v1::ArtifactUpdate& message
   waiting_traffic_.received_ms = now_ms;
   waiting_traffic_.since_ms = std::max(asked_ms_, heard_ms((*update)->revision));
   incoming_ = {};
-  waiting_consumed_.acknowledged_sequence = assembler_.sequence();
+  waiting_consumed_.acknowledged_sequence = assembler_->sequence();
   ++waiting_consumed_.updates;
   return Offer(**std::move(update));
+}
+
+void RemoteSubscriber::Restart(uint64_t link) {
+  assembler_.emplace(limits_);
+  incoming_ = {};
+  std::lock_guard lock(mutex_);
+  waiting_consumed_ = {.link = link};
 }
 
 bool RemoteSubscriber::ReceiveEnd(const absl::Status& reason) {
@@ -42,7 +49,7 @@ void RemoteSubscriber::Deliver(const std::function<void(const Consumed&)>& consu
   while (waiting_ && !is_closed_) {
     const ArtifactUpdate update = *std::exchange(waiting_, std::nullopt);
     const UpdateTraffic traffic = std::exchange(waiting_traffic_, {});
-    const Consumed done = std::exchange(waiting_consumed_, {});
+    const Consumed done = std::exchange(waiting_consumed_, {.link = waiting_consumed_.link});
     caller_ = std::this_thread::get_id();
     lock.unlock();
     callback_(update, traffic);

@@ -23,6 +23,7 @@ namespace penumbra {
 
 // What the server must hear once an update was dealt with.
 struct Consumed {
+  uint64_t link = 0;  // the connection on which it came
   uint64_t acknowledged_sequence = 0;
   uint32_t updates = 0;  // to give credit for; 0: nothing to say
 };
@@ -37,7 +38,8 @@ class RemoteSubscriber {
       : id_(id),
         asked_ms_(asked_ms),
         callback_(std::move(callback)),
-        assembler_(limits),
+        limits_(limits),
+        assembler_(std::in_place, limits),
         newest_revision_(asked_at) {}
 
   uint64_t id() const { return id_; }
@@ -48,6 +50,9 @@ class RemoteSubscriber {
   // Errors  the server broke the protocol; the subscription must end
   absl::StatusOr<bool> Receive(const v1::ArtifactUpdate& message, double now_ms,
                                const std::function<double(Revision)>& heard_ms);
+
+  // From here on messages come on connection `link`, from the start. By the reader alone.
+  void Restart(uint64_t link);
 
   // The last update there will be. True if a job must Deliver().
   bool ReceiveEnd(const absl::Status& reason);
@@ -64,8 +69,9 @@ class RemoteSubscriber {
   const uint64_t id_;
   const double asked_ms_;
   RemoteEngine::MeasuredCallback callback_;
-  ArtifactAssembler assembler_;  // the reader's
-  UpdateTraffic incoming_;       // the reader's: of the update in the making
+  const SceneLimits limits_;
+  std::optional<ArtifactAssembler> assembler_;  // the reader's; always there
+  UpdateTraffic incoming_;                      // the reader's: of the update in the making
 
   std::mutex mutex_;  // guards the rest
   std::condition_variable idle_;

@@ -1,6 +1,7 @@
 #include "client/session/scene_session.h"
 
 #include <chrono>
+#include <random>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -16,14 +17,14 @@
 namespace penumbra {
 namespace {
 
-constexpr uint32_t kProtocolVersion = 1;
-
-// Updates under way at a time: enough that none waits for a round trip, few enough that a slow
-// callback soon makes the server skip.
-constexpr uint32_t kInitialCredit = 4;
-
 // Ids set aside for the subscriptions of one request, whose number the server finds.
 constexpr uint64_t kIdsForEach = uint64_t{1} << 20;
+
+std::string RandomKeyPrefix() {
+  std::random_device random;
+  return absl::StrCat(absl::Hex(random(), absl::kZeroPad8), absl::Hex(random(), absl::kZeroPad8),
+                      absl::Hex(random(), absl::kZeroPad8), "-");
+}
 
 // Ends the subscription with its handle, whether or not the engine is still there.
 class RemoteSubscription : public Subscription {
@@ -45,6 +46,7 @@ SceneSession::SceneSession(ServerConnection& connection, const std::string& scen
       address_(connection.options().address),
       scene_id_(scene_id),
       mirror_(scene_id, connection.blobs()),
+      key_prefix_(RandomKeyPrefix()),
       turns_([this] { return ReadOne(); }) {}
 
 SceneSession::~SceneSession() {
@@ -60,15 +62,7 @@ absl::StatusOr<std::shared_ptr<SceneSession>> SceneSession::Open(ServerConnectio
 }
 
 absl::Status SceneSession::Greet() {
-  // The hello travels with the call's headers.
-  context_.set_initial_metadata_corked(true);
-  stream_ = connection_.stub().Session(&context_);
-  v1::SessionRequest request;
-  request.mutable_hello()->add_protocol_versions(kProtocolVersion);
-  request.mutable_hello()->set_scene_id(scene_id_);
-  request.mutable_hello()->set_mirror_scene(true);
-  request.mutable_hello()->set_client_name(connection_.options().client_name);
-  Send(request);
+  OpenLink();
   turns_.Start();
 
   std::unique_lock lock(mutex_);
@@ -81,39 +75,46 @@ absl::Status SceneSession::Greet() {
 }
 
 void SceneSession::End(const absl::Status& reason) {
+  std::shared_ptr<Link> link;
   {
     std::lock_guard lock(mutex_);
     if (end_reason_.ok()) end_reason_ = reason;
+    link = link_;
+    changed_.notify_all();
   }
   mirror_.Stop();
-  context_.TryCancel();
+  if (link) link->context.TryCancel();
 }
 
 void SceneSession::Join() { turns_.Join(); }
 
-bool SceneSession::Send(const v1::SessionRequest& request, bool more_follows) {
+bool SceneSession::Send(const v1::SessionRequest& request, bool more_follows,
+                        std::optional<uint64_t> link) {
   std::lock_guard lock(write_mutex_);
-  if (has_ended_) return false;
+  if (has_ended_ || (link && *link != write_link_->number)) return false;
   grpc::WriteOptions options;
   if (more_follows) options.set_buffer_hint();
-  return stream_->Write(request, options);
+  return write_link_->stream->Write(request, options);
 }
 
 void SceneSession::SendConsumed(uint64_t subscription_id, const Consumed& consumed) {
   v1::SessionRequest request;
   request.mutable_acknowledgement()->set_subscription_id(subscription_id);
   request.mutable_acknowledgement()->set_update_sequence(consumed.acknowledged_sequence);
-  Send(request, /*more_follows=*/true);
+  Send(request, /*more_follows=*/true, consumed.link);
   request.mutable_credit()->set_subscription_id(subscription_id);
   request.mutable_credit()->set_updates(consumed.updates);
-  Send(request);
+  Send(request, /*more_follows=*/false, consumed.link);
 }
 
 absl::Status SceneSession::Await(Answers& answers, uint64_t id,
                                  const std::shared_ptr<Answer>& answer) {
   std::unique_lock lock(mutex_);
   const std::chrono::duration<double> timeout(connection_.options().call_timeout_s);
-  changed_.wait_for(lock, timeout, [&] { return answer->is_here || has_ended_; });
+  // Without a connection there is no answer; how long that may last is Reconnect's to say.
+  do {
+    changed_.wait_for(lock, timeout, [&] { return answer->is_here || has_ended_; });
+  } while (!answer->is_here && !has_ended_ && !is_connected_);
   if (answer->is_here) return answer->status;
   if (has_ended_) return end_reason_;
   // A commit's entry stays: if its answer does come, the mirror needs it.
@@ -127,14 +128,25 @@ absl::StatusOr<Revision> SceneSession::Commit(const SceneDelta& delta) {
   // named it that is gone by now.
   if (ErrorReason(revision.status()) != "MISSING_BLOB") return revision;
   const auto nothing_known = Scene::Empty(scene_id_);
-  const absl::Status status = connection_.blobs().UploadMissing(delta, *nothing_known);
+  const absl::Status status = Upload(delta, *nothing_known);
   if (!status.ok()) return status;
   return TryCommit(delta);
 }
 
+// Again, once there is a connection again.
+absl::Status SceneSession::Upload(const SceneDelta& delta, const Scene& known) {
+  for (;;) {
+    const absl::Status status = connection_.blobs().UploadMissing(delta, known);
+    if (!absl::IsUnavailable(status)) return status;
+    std::unique_lock lock(mutex_);
+    if (is_connected_ || has_ended_) return status;
+    changed_.wait(lock, [this] { return is_connected_ || has_ended_; });
+  }
+}
+
 absl::StatusOr<Revision> SceneSession::TryCommit(const SceneDelta& delta) {
   const auto known = mirror_.Applied();
-  absl::Status status = connection_.blobs().UploadMissing(delta, *known);
+  absl::Status status = Upload(delta, *known);
   if (!status.ok()) return status;
 
   v1::SessionRequest request;
@@ -149,6 +161,8 @@ absl::StatusOr<Revision> SceneSession::TryCommit(const SceneDelta& delta) {
   {
     std::lock_guard lock(mutex_);
     request.mutable_commit()->set_commit_id(next_id_);
+    request.mutable_commit()->set_idempotency_key(absl::StrCat(key_prefix_, next_id_));
+    answer->request = request;
     commits_[next_id_++] = answer;
   }
   Send(request);
@@ -191,8 +205,9 @@ absl::StatusOr<std::unique_ptr<Subscription>> SceneSession::Subscribe(
     subscriber = std::make_shared<RemoteSubscriber>(id, std::move(callback),
                                                     connection_.blobs().scene_limits(),
                                                     mirror_.pushed_revision(), NowMs());
-    subscribers_[id] = subscriber;
+    subscribers_[id] = {subscriber, spec};
     subscribes_[id] = answer;
+    if (link_) subscriber->Restart(link_->number);
   }
   // From here on leaving ends it.
   auto subscription = std::make_unique<RemoteSubscription>(shared_from_this(), subscriber);
@@ -209,6 +224,11 @@ absl::Status SceneSession::ReportView(const std::optional<View>& view) {
   if (view) {
     if (absl::Status status = CheckView(*view); !status.ok()) return status;
     *request.mutable_view_report()->mutable_camera() = ToProto(*view);
+  }
+  {
+    std::lock_guard lock(mutex_);
+    view_ = view;
+    if (!is_connected_) return absl::OkStatus();  // it will be told
   }
   if (Send(request)) return absl::OkStatus();
   std::lock_guard lock(mutex_);
@@ -233,6 +253,7 @@ absl::StatusOr<std::vector<EachSubscription>> SceneSession::SubscribeEach(
     std::lock_guard lock(mutex_);
     each.set_first_subscription_id(next_id_);
     next_id_ += kIdsForEach;
+    answer->request = message;
     subscribes_[each.first_subscription_id()] = answer;
   }
   Send(message);

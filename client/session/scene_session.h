@@ -1,4 +1,5 @@
-// One Session stream: commits to a scene, subscriptions to its artifacts, a mirror of its content.
+// One session: commits to a scene, subscriptions to its artifacts, a mirror of its content. Its stream
+// may break; it then goes on with another one.
 //
 //   auto session = SceneSession::Open(connection, "studio");
 //   auto revision = (*session)->Commit(delta);
@@ -50,9 +51,23 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   void Join();
 
  private:
+  using Stream = grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>;
+  // One connection's share of the session.
+  struct Link {
+    uint64_t number = 0;  // counts up
+    grpc::ClientContext context{};
+    std::unique_ptr<Stream> stream{};
+  };
+  // A subscription that goes on on the next link.
+  struct Followed {
+    std::shared_ptr<RemoteSubscriber> subscriber;
+    ArtifactSpec spec;
+  };
+
   // What a caller waits for. `delta` is a commit's, for the mirror.
   struct Answer {
     bool is_here = false;
+    v1::SessionRequest request;  // to be sent again on another link
     absl::Status status;
     Revision revision = 0;
     SceneDelta delta;
@@ -65,13 +80,29 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   };
   using Answers = std::map<uint64_t, std::shared_ptr<Answer>>;
 
+  // Updates under way at a time: enough that none waits for a round trip, few enough that a slow
+  // callback soon makes the server skip.
+  static constexpr uint32_t kInitialCredit = 4;
+
   SceneSession(ServerConnection& connection, const std::string& scene_id);
 
   absl::Status Greet();
   absl::StatusOr<Revision> TryCommit(const SceneDelta& delta);
-  bool Send(const v1::SessionRequest& request, bool more_follows = false);
+  absl::Status Upload(const SceneDelta& delta, const Scene& known);
+  // False: it is not on its way. On this link only, where one is named.
+  bool Send(const v1::SessionRequest& request, bool more_follows = false,
+            std::optional<uint64_t> link = std::nullopt);
   void SendConsumed(uint64_t subscription_id, const Consumed& consumed);
   absl::Status Await(Answers& answers, uint64_t id, const std::shared_ptr<Answer>& answer);
+
+  std::shared_ptr<Link> OpenLink();
+  bool MayResume(const absl::Status& reason) const;
+  bool Reconnect(const absl::Status& lost);
+  absl::Status Resume(const std::shared_ptr<Link>& link);
+  void SendAgain(Link& link);
+  bool WaitToTryAgain(double seconds);
+  void Tell(ConnectionEvent::Kind kind, const absl::Status& reason, int attempts,
+            bool missed_nothing = false) const;
 
   bool ReadOne();
   void Hear(Revision revision);
@@ -84,7 +115,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   void Receive(const v1::SessionError& error);
   void MakeSubscribers(const v1::SubscribeEachResult& result, Answer& answer);
   void DropEach(const v1::SubscribeEachResult& result);
-  void EndAll(const grpc::Status& status);
+  void EndAll(const absl::Status& ended);
   void PostDelivery(std::shared_ptr<RemoteSubscriber> subscriber);
   std::shared_ptr<RemoteSubscriber> FindSubscriber(uint64_t id);
 
@@ -93,21 +124,25 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   const std::string scene_id_;
   MirroredScene mirror_;
 
-  grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>> stream_;
+  const std::string key_prefix_;         // of idempotency keys
   v1::SessionResponse response_;         // the reader's; kept for its memory
   std::map<Revision, double> heard_ms_;  // the reader's: when the newest revisions were heard of
-  std::mutex write_mutex_;               // one writes at a time
+  std::string incarnation_;              // the reader's: which scene of this id it is
+  std::mutex write_mutex_;               // one writes at a time; guards write_link_
+  std::shared_ptr<Link> write_link_;
 
   std::atomic<bool> has_ended_{false};
-  std::mutex mutex_;  // guards the rest but the turns
+  mutable std::mutex mutex_;  // guards the rest but the turns
   std::condition_variable changed_;
+  std::shared_ptr<Link> link_;  // the reader's; what End cancels
   bool is_welcome_ = false;
-  absl::Status end_reason_;  // why it has ended, or is being ended
+  bool is_connected_ = true;
+  std::optional<View> view_;  // reported last
+  absl::Status end_reason_;   // why it has ended, or is being ended
   uint64_t next_id_ = 1;
   Answers commits_;
   Answers subscribes_;
-  std::map<uint64_t, std::shared_ptr<RemoteSubscriber>> subscribers_;
+  std::map<uint64_t, Followed> subscribers_;
 
   ReadingTurns turns_;
 };

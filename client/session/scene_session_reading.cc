@@ -18,8 +18,11 @@ constexpr size_t kHeardRevisions = 64;
 }  // namespace
 
 bool SceneSession::ReadOne() {
-  if (!stream_->Read(&response_)) {
-    EndAll(stream_->Finish());
+  Link& link = *link_;  // which the reader alone changes
+  if (!link.stream->Read(&response_)) {
+    const absl::Status ended = StatusOfEndedSession(address_, link.stream->Finish());
+    if (MayResume(ended) && Reconnect(ended)) return true;
+    EndAll(ended);
     return false;
   }
   switch (response_.response_case()) {
@@ -48,9 +51,13 @@ bool SceneSession::ReadOne() {
       Receive(response_.session_error());
       break;
     case v1::SessionResponse::kWelcome:
+    case v1::SessionResponse::kPresenceUpdate:
+    case v1::SessionResponse::kEditControlResult:
+    case v1::SessionResponse::kUpdatesSkipped:
     case v1::SessionResponse::RESPONSE_NOT_SET:
       break;
   }
+  if (response_.has_welcome()) incarnation_ = response_.welcome().incarnation();
   std::lock_guard lock(mutex_);
   is_welcome_ = is_welcome_ || response_.has_welcome();
   const bool is_awaited = !response_.has_artifact_update();
@@ -87,9 +94,17 @@ void SceneSession::Receive(v1::CommitResult& result) {
 }
 
 void SceneSession::Receive(const v1::SubscribeResult& result) {
-  std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   const auto found = subscribes_.find(result.subscription_id());
-  if (found == subscribes_.end()) return;
+  if (found == subscribes_.end()) {
+    // Asked for again on this link, which the subscription's owner knows nothing of.
+    lock.unlock();
+    if (!result.has_error()) return;
+    v1::SubscriptionEnded ended;
+    ended.set_subscription_id(result.subscription_id());
+    *ended.mutable_error() = result.error();
+    return Receive(ended);
+  }
   found->second->status = FromProto(result.error());
   found->second->is_here = true;
   if (!found->second->status.ok()) subscribers_.erase(result.subscription_id());
@@ -126,7 +141,8 @@ void SceneSession::MakeSubscribers(const v1::SubscribeEachResult& result, Answer
       auto subscriber = std::make_shared<RemoteSubscriber>(
           id, std::move(callback), connection_.blobs().scene_limits(), mirror_.pushed_revision(),
           answer.asked_ms);
-      subscribers_[id++] = subscriber;
+      subscriber->Restart(link_->number);
+      subscribers_[id++] = {subscriber, spec};
       answer.made.emplace_back(std::move(spec), std::move(subscriber));
     }
   }
@@ -190,13 +206,13 @@ void SceneSession::Receive(const v1::SessionError& error) {
   answers->erase(answers->begin());
 }
 
-void SceneSession::EndAll(const grpc::Status& status) {
-  std::map<uint64_t, std::shared_ptr<RemoteSubscriber>> subscribers;
+void SceneSession::EndAll(const absl::Status& ended) {
+  std::map<uint64_t, Followed> subscribers;
   absl::Status reason;
   {
     std::lock_guard lock(mutex_);
     has_ended_ = true;
-    if (end_reason_.ok()) end_reason_ = StatusOfEndedSession(address_, status);
+    if (end_reason_.ok()) end_reason_ = ended;
     reason = end_reason_;
     subscribers = std::exchange(subscribers_, {});
     commits_.clear();
@@ -204,8 +220,8 @@ void SceneSession::EndAll(const grpc::Status& status) {
     changed_.notify_all();
   }
   mirror_.Stop();
-  for (const auto& [id, subscriber] : subscribers) {
-    if (subscriber->ReceiveEnd(reason)) PostDelivery(subscriber);
+  for (const auto& [id, followed] : subscribers) {
+    if (followed.subscriber->ReceiveEnd(reason)) PostDelivery(followed.subscriber);
   }
 }
 
@@ -219,7 +235,7 @@ void SceneSession::PostDelivery(std::shared_ptr<RemoteSubscriber> subscriber) {
 std::shared_ptr<RemoteSubscriber> SceneSession::FindSubscriber(uint64_t id) {
   std::lock_guard lock(mutex_);
   const auto found = subscribers_.find(id);
-  return found == subscribers_.end() ? nullptr : found->second;
+  return found == subscribers_.end() ? nullptr : found->second.subscriber;
 }
 
 }  // namespace penumbra

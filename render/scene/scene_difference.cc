@@ -18,7 +18,8 @@ void CompareTables(const Scene::Table<T>& from, const Scene::Table<T>& to, std::
     } else if (before == from.end() || after->first < before->first) {
       upserts.push_back(*(after++)->second);
     } else {
-      if (before->second != after->second) upserts.push_back(*after->second);
+      const bool is_same = before->second == after->second || *before->second == *after->second;
+      if (!is_same) upserts.push_back(*after->second);
       ++before;
       ++after;
     }

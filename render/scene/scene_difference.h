@@ -5,7 +5,7 @@
 
 namespace penumbra {
 
-// What turns `from` into `to`. Shared tables and objects are not looked into.
+// What turns `from` into `to`. Tables and objects that both share are not looked into.
 SceneDelta Difference(const Scene& from, const Scene& to);
 
 }  // namespace penumbra

@@ -100,8 +100,64 @@ absl::StatusOr<BlobContent> BlobStore::Upload::Decode() {
     return Invalid("HASH_MISMATCH", "header.hash",
                    "found " + hash_.hex() + ", need that of the content, " + found.hex());
   }
-  store_.Keep(hash_, size_, *content);
+  if (auto status = store_.Store(hash_, size_, *content); !status.ok()) return status;
   return content;
+}
+
+absl::Status BlobStore::Store(const ContentHash& hash, uint64_t bytes, BlobContent content) {
+  if (!files_) {
+    Keep(hash, bytes, std::move(content));
+    return absl::OkStatus();
+  }
+  std::lock_guard lock(files_mutex_);
+  if (auto status = files_->Write(hash, content); !status.ok()) return status;
+  Keep(hash, bytes, std::move(content));
+  return absl::OkStatus();
+}
+
+absl::Status BlobStore::Load(const ContentHash& hash) {
+  const auto bytes = files_->Read(hash);
+  if (!bytes.ok()) return bytes.status();
+  auto upload = Begin(hash, bytes->size());
+  if (!upload.ok()) return upload.status();
+  if (auto status = (*upload)->Append(*bytes); !status.ok()) return status;
+  const absl::Status status = (*upload)->Finish().status();
+  if (!absl::IsInvalidArgument(status)) return status;
+  files_->PutAside(hash).IgnoreError();
+  return FieldError(absl::StatusCode::kDataLoss, "DAMAGED", "blob",
+                    "found other content than that of " + hash.hex() + ", need it as it was");
+}
+
+absl::StatusOr<size_t> BlobStore::Collect(std::chrono::seconds age,
+                                          const std::function<bool(const ContentHash&)>& needed) {
+  DropUnused(age);
+  if (!files_) return 0;
+  const auto hashes = files_->List();
+  if (!hashes.ok()) return hashes.status();
+  size_t removed = 0;
+  for (const ContentHash& hash : *hashes) {
+    // With the lock: an upload of it may be about to find that the file is there.
+    std::lock_guard lock(files_mutex_);
+    if (Holds(hash) || needed(hash)) continue;
+    if (auto status = files_->Remove(hash); !status.ok()) return status;
+    ++removed;
+  }
+  return removed;
+}
+
+void BlobStore::DropUnused(std::chrono::seconds age) {
+  std::lock_guard lock(mutex_);
+  const auto kept_since = now_() - age;
+  absl::erase_if(entries_, [&](const auto& item) {
+    const bool is_dropped = item.second.used < kept_since && !IsInUse(item.second.content);
+    if (is_dropped) bytes_ -= item.second.bytes;
+    return is_dropped;
+  });
+}
+
+bool BlobStore::Holds(const ContentHash& hash) const {
+  std::lock_guard lock(mutex_);
+  return entries_.contains(hash);
 }
 
 void BlobStore::Keep(const ContentHash& hash, uint64_t bytes, BlobContent content) {

@@ -1,33 +1,80 @@
 #include "server/scene_store/scene_store.h"
 
-#include <algorithm>
 #include <utility>
 
+#include "absl/container/flat_hash_set.h"
+#include "absl/strings/str_cat.h"
+#include "penumbra/v1/scene.pb.h"
+#include "proto/convert/geometry_convert.h"
 #include "proto/convert/scene_convert.h"
 #include "render/scene/field_error.h"
+#include "server/scene_store/scene_entry.h"
+#include "server/scene_store/stored_scene.h"
 
 namespace penumbra {
 namespace {
 
-absl::Status CheckKey(const std::string& key, uint32_t max_bytes) {
-  if (key.size() > max_bytes) {
-    return FieldError(absl::StatusCode::kInvalidArgument, "BAD_ID", "idempotency_key",
-                      "found " + std::to_string(key.size()) + " bytes, need at most " +
-                          std::to_string(max_bytes));
-  }
-  return CheckId(key, "idempotency_key");
+absl::Status Deleted(const std::string& scene_id) {
+  return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
+                    absl::StrCat("found '", scene_id, "', which was deleted, need a scene"));
 }
 
 }  // namespace
 
-absl::StatusOr<SceneInfo> SceneStore::Create(const std::string& scene_id) {
-  std::lock_guard lock(mutex_);
-  if (auto status = engine_.CreateScene(scene_id); !status.ok()) return status;
+SceneStore::SceneStore(LocalEngine& engine, BlobStore& blobs, const ServerLimits& limits,
+                       ServerCounters& counters, SceneStorage* storage)
+    : engine_(engine), blobs_(blobs), limits_(limits), counters_(counters), storage_(storage) {}
+
+SceneStore::~SceneStore() = default;
+
+std::shared_ptr<SceneStore::Entry> SceneStore::MakeEntry(std::shared_ptr<const Scene> scene,
+                                                         std::shared_ptr<SceneLog> log) {
   auto entry = std::make_shared<Entry>();
-  entry->incarnation = ++scenes_made_;
-  entries_[scene_id] = std::move(entry);
+  entry->incarnation = log ? log->identity().incarnation : RandomBytes(16);
+  entry->log = std::move(log);
+  entry->newest = std::move(scene);
+  return entry;
+}
+
+void SceneStore::Restore() {
+  if (!storage_) return;
+  for (RestoredScene& restored : storage_->Restore(blobs_, limits_.scene)) {
+    if (restored.status.ok()) restored.status = engine_.RestoreScene(restored.scene);
+    std::lock_guard lock(mutex_);
+    if (!restored.status.ok()) {
+      refused_[restored.scene_id] = restored.status;
+      continue;
+    }
+    auto entry = MakeEntry(std::move(restored.scene), std::move(restored.log));
+    for (const CommitRecord& answer : restored.answers) Remember(*entry, answer);
+    entries_[restored.scene_id] = std::move(entry);
+  }
+}
+
+absl::StatusOr<SceneInfo> SceneStore::Create(const std::string& scene_id) {
+  {
+    std::lock_guard lock(mutex_);
+    if (refused_.contains(scene_id)) {
+      return FieldError(absl::StatusCode::kAlreadyExists, "DUPLICATE_ID", "scene_id",
+                        absl::StrCat("found '", scene_id,
+                                     "', whose file is damaged; delete it, or need another id"));
+    }
+    // From here on the id is taken.
+    if (auto status = engine_.CreateScene(scene_id); !status.ok()) return status;
+  }
+  std::shared_ptr<SceneLog> log;
+  if (storage_) {
+    auto created = storage_->Create(scene_id);
+    if (!created.ok()) {
+      engine_.DeleteScene(scene_id).IgnoreError();
+      return created.status();
+    }
+    log = *std::move(created);
+  }
   const auto scene = engine_.Snapshot(scene_id);
   if (!scene.ok()) return scene.status();
+  std::lock_guard lock(mutex_);
+  entries_[scene_id] = MakeEntry(*scene, std::move(log));
   return InfoOf(**scene);
 }
 
@@ -35,23 +82,41 @@ absl::Status SceneStore::Delete(const std::string& scene_id) {
   std::shared_ptr<Entry> entry;
   {
     std::lock_guard lock(mutex_);
-    if (auto status = engine_.DeleteScene(scene_id); !status.ok()) return status;
     const auto found = entries_.find(scene_id);
-    if (found == entries_.end()) return absl::OkStatus();
-    entry = std::move(found->second);
-    entries_.erase(found);
+    if (found != entries_.end()) {
+      entry = std::move(found->second);
+      entries_.erase(found);
+    }
   }
-  const auto reason = FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
-                                 "found '" + scene_id + "', which was deleted, need a scene");
+  if (!entry) return DeleteRefused(scene_id);
   std::vector<std::shared_ptr<SceneWatcher>> watchers;
   {
     std::lock_guard lock(entry->mutex);
+    entry->is_deleted = true;  // what is on its way to the disk ends with kNotFound
     for (const auto& weak : entry->watchers) {
       if (auto watcher = weak.lock()) watchers.push_back(std::move(watcher));
     }
   }
-  for (const auto& watcher : watchers) watcher->OnSceneDeleted(reason);
+  const absl::Status removed = entry->log ? storage_->Remove(*entry->log) : absl::OkStatus();
+  engine_.DeleteScene(scene_id).IgnoreError();
+  for (const auto& watcher : watchers) watcher->OnSceneDeleted(Deleted(scene_id));
+  return removed;
+}
+
+absl::Status SceneStore::DeleteRefused(const std::string& scene_id) {
+  {
+    std::lock_guard lock(mutex_);
+    if (!refused_.contains(scene_id)) return engine_.DeleteScene(scene_id);  // which has none
+  }
+  if (auto status = storage_->PutAside(scene_id); !status.ok()) return status;
+  std::lock_guard lock(mutex_);
+  refused_.erase(scene_id);
   return absl::OkStatus();
+}
+
+std::map<std::string, absl::Status> SceneStore::Refused() const {
+  std::lock_guard lock(mutex_);
+  return refused_;
 }
 
 absl::StatusOr<WatchedScene> SceneStore::Watch(const std::string& scene_id,
@@ -66,70 +131,67 @@ absl::StatusOr<WatchedScene> SceneStore::Watch(const std::string& scene_id,
   return WatchedScene{*std::move(scene), (*entry)->incarnation};
 }
 
-SceneStore::Recalled SceneStore::FirstAnswer(const std::string& scene_id,
-                                             const std::string& idempotency_key,
-                                             const ContentHash& fingerprint) {
-  const auto found = Find(scene_id);
-  if (!found.ok()) return found.status();
-  std::lock_guard lock((*found)->mutex);
-  return Recall(**found, idempotency_key, fingerprint);
-}
-
-absl::StatusOr<CommitOutcome> SceneStore::Commit(const std::string& scene_id,
-                                                 const CommitRequest& request,
-                                                 const SceneWatcher* author) {
-  const bool has_key = !request.idempotency_key.empty();
-  const auto found = Find(scene_id);
-  if (!found.ok()) return found.status();
-  Entry& entry = **found;
-  std::lock_guard lock(entry.mutex);
-  if (has_key) {
-    const auto first = Recall(entry, request.idempotency_key, request.fingerprint);
-    if (!first.ok()) return first.status();
-    if (*first) return **first;
-  }
-  const auto revision = engine_.Commit(scene_id, request.delta);
-  if (!revision.ok()) return revision.status();
-  ++counters_.commits;
+absl::StatusOr<std::shared_ptr<const Scene>> SceneStore::SceneAt(const std::string& scene_id,
+                                                                 const std::string& incarnation,
+                                                                 Revision revision) {
+  const auto entry = Find(scene_id);
+  if (!entry.ok()) return entry.status();
+  if ((*entry)->incarnation != incarnation) return Deleted(scene_id);
   auto scene = engine_.Snapshot(scene_id);
-  if (!scene.ok()) return scene.status();
-  if (has_key) Remember(entry, request, **scene);
-  std::erase_if(entry.watchers, [&](const std::weak_ptr<SceneWatcher>& weak) {
-    const auto watcher = weak.lock();
-    if (watcher && watcher.get() != author) watcher->OnScene(*scene);
-    return watcher == nullptr;
-  });
-  return CommitOutcome{(*scene)->revision(), (*scene)->content_hash(), *scene};
+  if (!scene.ok() || (*scene)->revision() == revision) return scene;
+  if (!(*entry)->log) {
+    return FieldError(absl::StatusCode::kOutOfRange, "COMPACTED", "revision",
+                      absl::StrCat("found ", revision, ", need ", (*scene)->revision(),
+                                   ": this server keeps no history"));
+  }
+  const auto state = (*entry)->log->StateAt(revision);
+  if (!state.ok()) return state.status();
+  return SceneOf(scene_id, *state, blobs_, limits_.scene);
 }
 
-absl::StatusOr<std::shared_ptr<SceneStore::Entry>> SceneStore::Find(const std::string& scene_id) {
+absl::StatusOr<std::shared_ptr<SceneStore::Entry>> SceneStore::Find(
+    const std::string& scene_id) const {
   std::lock_guard lock(mutex_);
-  const auto entry = entries_.find(scene_id);
-  if (entry != entries_.end()) return entry->second;
+  if (const auto entry = entries_.find(scene_id); entry != entries_.end()) return entry->second;
+  if (const auto refused = refused_.find(scene_id); refused != refused_.end()) {
+    return FieldError(absl::StatusCode::kDataLoss, "DAMAGED", "scene_id",
+                      absl::StrCat("found '", scene_id, "', whose file is damaged (",
+                                   refused->second.message(), "), need a scene that is whole"));
+  }
   return FieldError(
       absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
       "found '" + scene_id.substr(0, limits_.scene.max_id_bytes) + "', need the id of a scene");
 }
 
-SceneStore::Recalled SceneStore::Recall(const Entry& entry, const std::string& key,
-                                        const ContentHash& fingerprint) const {
-  if (auto status = CheckKey(key, limits_.max_idempotency_key_bytes); !status.ok()) return status;
-  const auto first = entry.answers.find(key);
-  if (first == entry.answers.end()) return std::nullopt;
-  if (first->second.fingerprint == fingerprint) {
-    return CommitOutcome{first->second.revision, first->second.content_hash, nullptr};
+absl::Status SceneStore::CollectBlobs(std::chrono::seconds age) {
+  std::vector<std::shared_ptr<Entry>> entries;
+  bool are_some_refused = false;
+  {
+    std::lock_guard lock(mutex_);
+    for (const auto& [id, entry] : entries_) entries.push_back(entry);
+    are_some_refused = !refused_.empty();
   }
-  return FieldError(absl::StatusCode::kInvalidArgument, "REQUEST_ID_REUSED", "idempotency_key",
-                    "found '" + key + "', which stands for another delta, need a new key");
-}
-
-void SceneStore::Remember(Entry& entry, const CommitRequest& request, const Scene& scene) {
-  entry.answers[request.idempotency_key] = {request.fingerprint, scene.revision(),
-                                            scene.content_hash()};
-  entry.answer_order.push_back(request.idempotency_key);
-  if (entry.answer_order.size() <= limits_.max_idempotency_keys) return;
-  entry.answers.erase(entry.answer_order.front());
-  entry.answer_order.pop_front();
+  // What a damaged scene needs cannot be told.
+  if (are_some_refused) return absl::OkStatus();
+  absl::flat_hash_set<std::string> mentioned;
+  for (const auto& entry : entries) {
+    if (!entry->log) continue;
+    const absl::Status status = entry->log->ForEachBody([&](std::string_view body) {
+      v1::SceneDelta delta;
+      if (!delta.ParseFromArray(body.data(), static_cast<int>(body.size()))) {
+        return absl::DataLossError("a delta that cannot be read");
+      }
+      for (const v1::Instance& instance : delta.upsert_instances()) {
+        mentioned.insert(instance.mesh_hash());
+        mentioned.insert(instance.alpha_mask_hash());
+      }
+      return absl::OkStatus();
+    });
+    if (!status.ok()) return status;
+  }
+  return blobs_
+      .Collect(age, [&](const ContentHash& hash) { return mentioned.contains(ToProto(hash)); })
+      .status();
 }
 
 }  // namespace penumbra

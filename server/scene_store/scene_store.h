@@ -1,7 +1,8 @@
 // The scenes, the order of their commits, and who has to know of them.
 #pragma once
 
-#include <deque>
+#include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -10,9 +11,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "render/engine/engine.h"
+#include "render/engine/local_engine.h"
 #include "server/counters.h"
 #include "server/limits.h"
+#include "server/scene_store/blob_store.h"
+#include "server/scene_store/scene_storage.h"
 
 namespace penumbra {
 
@@ -26,15 +29,16 @@ class SceneWatcher {
 
 // A commit as a client asks for it.
 struct CommitRequest {
-  const SceneDelta& delta;
+  SceneDelta delta;
   std::string idempotency_key;  // empty: none
   ContentHash fingerprint;      // of the delta, where there is a key
+  std::string author_name;      // for the scene's history
 };
 
 struct WatchedScene {
   std::shared_ptr<const Scene> scene;
-  // Different for every scene ever made: an id may be given again after a deletion.
-  uint64_t incarnation = 0;
+  // 16 bytes, different for every scene ever made: an id may be given again after a deletion.
+  std::string incarnation;
 };
 
 struct CommitOutcome {
@@ -43,32 +47,54 @@ struct CommitOutcome {
   std::shared_ptr<const Scene> scene;  // null where an earlier answer was repeated
 };
 
+using CommitCallback = std::function<void(const absl::StatusOr<CommitOutcome>&)>;
+
 // Any thread may use it.
+//
+// Where scenes are kept on disk, a commit is checked at once, and told to anybody only once it is
+// there. Until then later ones build on it, and all of them are on their way together.
 class SceneStore {
  public:
-  SceneStore(Engine& engine, const ServerLimits& limits, ServerCounters& counters)
-      : engine_(engine), limits_(limits), counters_(counters) {}
+  // `storage` is null where scenes live in memory only. All of it outlives the store.
+  SceneStore(LocalEngine& engine, BlobStore& blobs, const ServerLimits& limits,
+             ServerCounters& counters, SceneStorage* storage);
+  ~SceneStore();
 
-  // Errors  those of Engine
+  // Takes in what was on disk. To be called once, first.
+  void Restore();
+
+  // These wait for the disk. Errors  those of Engine; of scenes that are damaged kDataLoss DAMAGED
   absl::StatusOr<SceneInfo> Create(const std::string& scene_id);
   absl::Status Delete(const std::string& scene_id);
   absl::StatusOr<std::vector<SceneInfo>> List() { return engine_.ListScenes(); }
+  // Scenes that were on disk and cannot be served, with the reason.
+  std::map<std::string, absl::Status> Refused() const;
 
   // The scene as it is; `watcher` hears of everything after that until it is gone.
-  // Errors  kNotFound
+  // Errors  kNotFound; kDataLoss DAMAGED
   absl::StatusOr<WatchedScene> Watch(const std::string& scene_id,
                                      std::weak_ptr<SceneWatcher> watcher);
 
-  // How the first commit with this key was answered; none where there has been none.
+  // How the first commit with this key was answered; none where there has been none, or where it is
+  // on its way to the disk.
   // Errors  kNotFound; kInvalidArgument REQUEST_ID_REUSED, BAD_ID
   absl::StatusOr<std::optional<CommitOutcome>> FirstAnswer(const std::string& scene_id,
                                                            const std::string& idempotency_key,
                                                            const ContentHash& fingerprint);
 
-  // Watchers other than `author` are told of the new scene.
-  // Errors  those of Engine::Commit; kInvalidArgument REQUEST_ID_REUSED, BAD_ID
-  absl::StatusOr<CommitOutcome> Commit(const std::string& scene_id, const CommitRequest& request,
-                                       const SceneWatcher* author);
+  // Calls `done` once, before or after it returns, on any thread: then the commit is on disk and
+  // watchers other than `author` have been told, or nothing has changed.
+  // Errors  those of Engine::Commit; kInvalidArgument REQUEST_ID_REUSED, BAD_ID;
+  //         kResourceExhausted QUOTA_PENDING: too many are on their way; DISK_FULL;
+  //         kUnavailable STORAGE_FAILED
+  void Commit(const std::string& scene_id, CommitRequest request,
+              std::weak_ptr<const SceneWatcher> author, CommitCallback done);
+
+  // The scene as it was. Waits for the disk.
+  // Errors  kNotFound: no such scene, or another one now; kOutOfRange COMPACTED, FUTURE_BASE
+  absl::StatusOr<std::shared_ptr<const Scene>> SceneAt(const std::string& scene_id,
+                                                       const std::string& incarnation,
+                                                       Revision revision);
 
   // Errors  those of Engine::ReportView
   absl::Status ReportView(const std::string& scene_id, const std::string& viewer,
@@ -81,32 +107,41 @@ class SceneStore {
     return engine_.Snapshot(scene_id);
   }
 
+  // Drops blobs that no scene needs any more. Waits for the disk.
+  absl::Status CollectBlobs(std::chrono::seconds age);
+
+  // Where what waits for the disk is done; null where there is none.
+  WorkerPool::Lane* storage_lane() { return storage_ ? &storage_->lane() : nullptr; }
+
  private:
-  struct Answer {
-    ContentHash fingerprint;
-    Revision revision = 0;
-    ContentHash content_hash;
-  };
+  struct Entry;
+  struct Pending;
+  using Batch = std::vector<std::shared_ptr<Pending>>;
   using Recalled = absl::StatusOr<std::optional<CommitOutcome>>;
-  struct Entry {
-    uint64_t incarnation = 0;
-    std::mutex mutex;  // one commit at a time, so that watchers hear of them in order
-    std::vector<std::weak_ptr<SceneWatcher>> watchers;
-    std::map<std::string, Answer> answers;  // by idempotency key
-    std::deque<std::string> answer_order;   // oldest first
-  };
 
-  absl::StatusOr<std::shared_ptr<Entry>> Find(const std::string& scene_id);
-  // With the entry's mutex locked, as for the next.
+  absl::StatusOr<std::shared_ptr<Entry>> Find(const std::string& scene_id) const;
+  std::shared_ptr<Entry> MakeEntry(std::shared_ptr<const Scene> scene,
+                                   std::shared_ptr<SceneLog> log);
+  absl::Status DeleteRefused(const std::string& scene_id);
+  // With the entry's mutex locked, as for the next four.
   Recalled Recall(const Entry& entry, const std::string& key, const ContentHash& fingerprint) const;
-  void Remember(Entry& entry, const CommitRequest& request, const Scene& scene);
+  void Remember(Entry& entry, const CommitRecord& answer);
+  absl::StatusOr<CommitOutcome> Prepare(Entry& entry, Pending& pending) const;
+  absl::StatusOr<CommitOutcome> Publish(Entry& entry, const Pending& pending);
 
-  Engine& engine_;
+  void WritePending(const std::shared_ptr<Entry>& entry);
+  void Conclude(Entry& entry, const Batch& batch, const absl::Status& written);
+  static SceneState WholeOf(Entry& entry, const Scene& scene);
+
+  LocalEngine& engine_;
+  BlobStore& blobs_;
   const ServerLimits limits_;
   ServerCounters& counters_;
-  std::mutex mutex_;
+  SceneStorage* const storage_;
+
+  mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Entry>> entries_;
-  uint64_t scenes_made_ = 0;
+  std::map<std::string, absl::Status> refused_;
 };
 
 }  // namespace penumbra

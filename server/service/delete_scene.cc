@@ -6,9 +6,9 @@ namespace penumbra {
 
 grpc::ServerUnaryReactor* PenumbraService::DeleteScene(Context* context, const Bytes* request,
                                                        Bytes* response) {
-  return AnswerUnary<v1::DeleteSceneRequest>(
-      context, parts_.sessions.limits, request, response,
-      [&](const v1::DeleteSceneRequest& message) -> absl::StatusOr<v1::DeleteSceneResponse> {
+  return AnswerUnaryOn<v1::DeleteSceneRequest>(
+      parts_.sessions.scenes.storage_lane(), context, parts_.sessions.limits, request, response,
+      [this](const v1::DeleteSceneRequest& message) -> absl::StatusOr<v1::DeleteSceneResponse> {
         if (auto status = CheckId(message.scene_id(), "scene_id"); !status.ok()) return status;
         if (auto status = parts_.sessions.scenes.Delete(message.scene_id()); !status.ok()) {
           return status;

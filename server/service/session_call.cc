@@ -1,3 +1,5 @@
+#include <grpc/grpc.h>
+
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -20,12 +22,19 @@ struct Gate {
 // Carries a session's bytes: one read and one write at a time.
 class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  explicit SessionReactor(const ServiceParts& parts) : gate_(std::make_shared<Gate>()) {
+  SessionReactor(const ServiceParts& parts, grpc::CallbackServerContext& context)
+      : context_(context), gate_(std::make_shared<Gate>()) {
     gate_->reactor = this;
-    session_ = Session::Create(parts.sessions, [gate = gate_] {
-      std::lock_guard lock(gate->mutex);
-      if (gate->reactor) gate->reactor->Pump();
-    });
+    session_ = Session::Create(
+        parts.sessions,
+        [gate = gate_] {
+          std::lock_guard lock(gate->mutex);
+          if (gate->reactor) gate->reactor->Pump();
+        },
+        [gate = gate_](const absl::Status& reason) {
+          std::lock_guard lock(gate->mutex);
+          if (gate->reactor) gate->reactor->LetGo(reason);
+        });
     if (auto status = parts.session_table.Add(session_); !status.ok()) session_->End(status);
     std::lock_guard lock(gate_->mutex);
     Pump();
@@ -43,6 +52,7 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   void OnWriteDone(bool ok) override {
     callbacks_.Take();
     if (!ok) session_->End(absl::CancelledError("the connection is gone"));
+    session_->OnSent();
     std::lock_guard lock(gate_->mutex);
     is_writing_ = false;
     Pump();
@@ -76,6 +86,14 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
     callbacks_.Give();
   }
 
+  // An end that the client's not reading does not hold up: it goes past what waits to be read.
+  void LetGo(const absl::Status& reason) {
+    const grpc::Status status = ToGrpcStatus(reason);
+    grpc_call_cancel_with_status(context_.c_call(),
+                                 static_cast<grpc_status_code>(status.error_code()),
+                                 status.error_message().c_str(), nullptr);
+  }
+
   void WriteNext() {
     auto output = session_->Next();
     if (output.message) {
@@ -91,6 +109,7 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   }
 
   HandOver callbacks_;  // gRPC calls one after another, on any of its threads
+  grpc::CallbackServerContext& context_;
   const std::shared_ptr<Gate> gate_;
   std::shared_ptr<Session> session_;
   grpc::ByteBuffer request_;
@@ -102,8 +121,9 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
 
 }  // namespace
 
-grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* PenumbraService::Session(Context*) {
-  return new SessionReactor(parts_);
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* PenumbraService::Session(
+    Context* context) {
+  return new SessionReactor(parts_, *context);
 }
 
 }  // namespace penumbra

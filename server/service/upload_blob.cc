@@ -36,7 +36,7 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     if (status.ok()) status = Take(request);
     if (!status.ok()) return Refuse(status);
     if (!upload_ || !upload_->is_complete()) return ReadNext();
-    if (size_ > kLongBlobBytes) {
+    if (size_ > kLongBlobBytes || parts_.sessions.blobs.keeps_on_disk()) {
       parts_.blob_workers.Post([this] { FinishBlob(); });
     } else {
       FinishBlob();

@@ -89,7 +89,7 @@ void ArtifactStream::Publish(const ArtifactUpdate& update) {
 }
 
 absl::StatusOr<std::shared_ptr<ArtifactStream>> StreamTable::Follow(const std::string& scene_id,
-                                                                    uint64_t incarnation,
+                                                                    const std::string& incarnation,
                                                                     const ArtifactSpec& spec) {
   std::shared_ptr<ArtifactStream> stream;
   {

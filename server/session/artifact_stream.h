@@ -90,14 +90,14 @@ class StreamTable {
   // The stream of `spec`, which lives as long as somebody holds it. `incarnation` is the scene's.
   // Errors  those of Engine::Subscribe
   absl::StatusOr<std::shared_ptr<ArtifactStream>> Follow(const std::string& scene_id,
-                                                         uint64_t incarnation,
+                                                         const std::string& incarnation,
                                                          const ArtifactSpec& spec);
 
  private:
   Engine& engine_;
   StreamServices& services_;
   std::mutex mutex_;
-  std::map<std::pair<uint64_t, std::string>, std::weak_ptr<ArtifactStream>>
+  std::map<std::pair<std::string, std::string>, std::weak_ptr<ArtifactStream>>
       streams_;  // by incarnation and SpecKey
 };
 

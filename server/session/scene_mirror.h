@@ -6,6 +6,7 @@
 
 #include <deque>
 #include <memory>
+#include <utility>
 
 #include "penumbra/v1/session.pb.h"
 #include "render/scene/scene.h"
@@ -16,12 +17,18 @@ class SceneMirror {
  public:
   explicit SceneMirror(size_t max_message_bytes) : max_message_bytes_(max_message_bytes) {}
 
+  // The client has `scene` already. Before anything else.
+  void StartFrom(std::shared_ptr<const Scene> scene) { told_ = std::move(scene); }
+
   // There is a newer scene.
   void Offer(std::shared_ptr<const Scene> scene);
 
   // The client is about to hear that its own commit made `scene`. True if it can; false if updates
   // have to go first.
   bool CanTellOwnCommit(const std::shared_ptr<const Scene>& scene);
+
+  // Of what the client has been told, or is being told.
+  Revision told_revision() const { return told_ ? told_->revision() : 0; }
 
   bool HasUpdate() const;
   // Only where HasUpdate().

@@ -4,21 +4,31 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "proto/convert/status_convert.h"
+#include "render/scene/field_error.h"
 #include "server/session/wire_message.h"
 
 namespace penumbra {
+namespace {
 
-Session::Session(const SessionServices& services, std::function<void()> wake)
+bool AllowsUpdates(const v1::SessionResponse& response) {
+  return response.has_subscribe_result() || response.has_subscribe_each_result();
+}
+
+}  // namespace
+
+Session::Session(const SessionServices& services, std::function<void()> wake, LetGo let_go)
     : services_(services),
       wake_(std::move(wake)),
+      let_go_(std::move(let_go)),
       viewer_(std::to_string(++services.counters.sessions_made)),
       mirror_(services.limits.max_message_bytes) {}
 
 std::shared_ptr<Session> Session::Create(const SessionServices& services,
-                                         std::function<void()> wake) {
+                                         std::function<void()> wake, LetGo let_go) {
   ++services.counters.open_sessions;
-  return std::shared_ptr<Session>(new Session(services, std::move(wake)));
+  return std::shared_ptr<Session>(new Session(services, std::move(wake), std::move(let_go)));
 }
 
 Session::~Session() {
@@ -29,27 +39,89 @@ Session::~Session() {
 Session::Output Session::Next() {
   std::lock_guard lock(mutex_);
   if (closed_) return {};
+  Output output = Choose();
+  if (output.message) handed_over_at_ = std::chrono::steady_clock::now();
+  return output;
+}
+
+Session::Output Session::Choose() {
   // The mirror is told of what a reply builds on before the reply.
-  const bool reply_is_due = !replies_.empty() && !mirror_.in_update() &&
-                            (!replies_.front().scene || !mirrors_scene_ ||
-                             mirror_.CanTellOwnCommit(replies_.front().scene));
+  const bool reply_is_due = !replies_.empty() && replies_.front()->is_ready &&
+                            !mirror_.in_update() && MirrorAllows(*replies_.front());
   if (reply_is_due) {
-    Reply reply = std::move(replies_.front());
+    const auto reply = std::move(replies_.front());
     replies_.pop_front();
-    return {.message = ToBytes(reply.response), .end = {}};
+    if (AllowsUpdates(reply->response)) --unsent_subscribe_results_;
+    is_welcome_ = is_welcome_ || reply->response.has_welcome();
+    return {.message = ToBytes(reply->response), .end = {}};
   }
-  if (mirrors_scene_ && mirror_.HasUpdate()) {
-    v1::SessionResponse response;
-    *response.mutable_scene_update() = mirror_.NextUpdate();
-    return {.message = ToBytes(response), .end = {}};
+  if (is_welcome_) {
+    if (const auto news = NextNews()) return {.message = ToBytes(*news), .end = {}};
   }
-  if (end_) return {.message = {}, .end = end_};
+  if (end_ && replies_.empty()) return {.message = {}, .end = end_};
+  if (end_ || unsent_subscribe_results_ > 0) return {};
   SubscriptionFeed* feed = DueFeed();
   if (!feed) return {};
+  if (const auto skipped = feed->TakeSkipped(std::chrono::steady_clock::now())) {
+    v1::SessionResponse response;
+    response.mutable_updates_skipped()->set_subscription_id(feed->id());
+    response.mutable_updates_skipped()->set_total(*skipped);
+    return {.message = ToBytes(response), .end = {}};
+  }
   last_fed_ = feed->id();
   auto message = feed->NextMessage();
   if (message.ends_update) ++services_.counters.updates_sent;
   return {.message = std::move(message.bytes), .end = {}};
+}
+
+bool Session::MirrorAllows(const Reply& reply) {
+  if (!mirrors_scene_) return true;
+  if (reply.scene) return mirror_.CanTellOwnCommit(reply.scene);
+  return reply.revision <= mirror_.told_revision();
+}
+
+// Of the scene and of who is in it.
+std::optional<v1::SessionResponse> Session::NextNews() {
+  v1::SessionResponse response;
+  if (mirrors_scene_ && mirror_.HasUpdate()) {
+    *response.mutable_scene_update() = mirror_.NextUpdate();
+    return response;
+  }
+  if (participant_id_.empty() || !std::exchange(has_presence_news_, false)) return std::nullopt;
+  if (!room_->ChangesSince(told_presence_, participant_id_, *response.mutable_presence_update())) {
+    return std::nullopt;
+  }
+  return response;
+}
+
+void Session::OnSent() {
+  std::lock_guard lock(mutex_);
+  handed_over_at_.reset();
+}
+
+void Session::EndIfStalled(std::chrono::steady_clock::time_point now) {
+  FeedTable feeds;
+  {
+    std::lock_guard lock(mutex_);
+    if (closed_ || !handed_over_at_ || now - *handed_over_at_ < services_.limits.max_stall) return;
+    handed_over_at_.reset();
+    feeds.swap(feeds_);
+  }
+  for (auto& [id, feed] : feeds) Release(std::move(feed));
+  const auto reason = FieldError(
+      absl::StatusCode::kResourceExhausted, "SLOW_CONSUMER", "",
+      absl::StrCat("found nothing taken for ", services_.limits.max_stall.count(),
+                   " s, need a client that reads: resume from the revision that it has"));
+  End(reason);
+  let_go_(reason);
+}
+
+void Session::OnPresenceChanged() {
+  {
+    std::lock_guard lock(mutex_);
+    has_presence_news_ = true;
+  }
+  wake_();
 }
 
 SubscriptionFeed* Session::DueFeed() {
@@ -79,7 +151,7 @@ void Session::Push(v1::SessionResponse response, std::shared_ptr<const Scene> sc
   {
     std::lock_guard lock(mutex_);
     if (end_ || closed_) return;
-    replies_.push_back({std::move(response), std::move(scene)});
+    replies_.push_back(std::make_shared<Reply>(Reply{std::move(response), std::move(scene)}));
   }
   wake_();
 }
@@ -102,6 +174,7 @@ void Session::Close() {
     feeds.swap(feeds_);
   }
   for (auto& [id, feed] : feeds) Release(std::move(feed));
+  if (!participant_id_.empty()) room_->Leave(participant_id_);
   if (!scene_id_.empty()) {
     // Gone with the scene, if that is gone.
     services_.scenes.ReportView(scene_id_, viewer_, std::nullopt).IgnoreError();

@@ -8,6 +8,7 @@
 // one scene and one artifact a subscription, however slowly the client reads.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -21,33 +22,22 @@
 #include "absl/status/status.h"
 #include "grpcpp/support/byte_buffer.h"
 #include "penumbra/v1/session.pb.h"
-#include "server/counters.h"
-#include "server/limits.h"
-#include "server/scene_store/blob_store.h"
-#include "server/scene_store/scene_store.h"
-#include "server/session/artifact_stream.h"
 #include "server/session/scene_mirror.h"
+#include "server/session/session_services.h"
 #include "server/session/subscription_feed.h"
 
 namespace penumbra {
 
-// What sessions work with. All of it outlives them.
-struct SessionServices {
-  SceneStore& scenes;
-  BlobStore& blobs;
-  StreamTable& streams;
-  const ServerLimits& limits;
-  ServerCounters& counters;
-};
-
 class Session : public SceneWatcher,
                 public StreamListener,
+                public PresenceListener,
                 public std::enable_shared_from_this<Session> {
  public:
   // `wake` is called, from any thread and without locks of the session's, when Next may have
-  // something.
+  // something; `let_go` when the client is to be cut off, whatever is on its way to it.
+  using LetGo = std::function<void(const absl::Status&)>;
   static std::shared_ptr<Session> Create(const SessionServices& services,
-                                         std::function<void()> wake);
+                                         std::function<void()> wake, LetGo let_go);
   ~Session() override;
 
   void OnRequest(const grpc::ByteBuffer& bytes);
@@ -58,6 +48,10 @@ class Session : public SceneWatcher,
   };
   // Neither: there is nothing to send now.
   Output Next();
+  // What Next gave last has been taken by the connection.
+  void OnSent();
+  // Lets the client go if the connection has taken nothing for Limits.max_stall.
+  void EndIfStalled(std::chrono::steady_clock::time_point now);
 
   // Whether another request may be read. None may once the session is ending.
   bool has_room() const;
@@ -69,19 +63,25 @@ class Session : public SceneWatcher,
   void OnScene(std::shared_ptr<const Scene> scene) override;
   void OnSceneDeleted(const absl::Status& reason) override;
   void OnStreamChanged() override { wake_(); }
+  void OnPresenceChanged() override;
 
  private:
   struct Reply {
     v1::SessionResponse response{};
     std::shared_ptr<const Scene> scene{};  // made by the commit that this answers
+    Revision revision = 0;                 // that the client must have heard of before
+    bool is_ready = true;                  // false: the commit is on its way to the disk
   };
   using FeedTable = std::map<uint64_t, std::unique_ptr<SubscriptionFeed>>;
 
-  Session(const SessionServices& services, std::function<void()> wake);
+  Session(const SessionServices& services, std::function<void()> wake, LetGo let_go);
 
   absl::Status OnHello(const v1::Hello& hello);
+  absl::Status CheckHello(const v1::Hello& hello) const;
+  void Greet(const v1::Hello& hello, Reply& welcome);
   void OnCommit(const v1::Commit& commit);
-  absl::StatusOr<CommitOutcome> Apply(const v1::Commit& commit);
+  void Apply(const v1::Commit& commit, CommitCallback done);
+  void AnswerCommit(Reply& reply, const absl::StatusOr<CommitOutcome>& outcome);
   void OnSubscribe(const v1::Subscribe& subscribe);
   absl::StatusOr<std::unique_ptr<SubscriptionFeed>> MakeFeed(const v1::Subscribe& subscribe);
   absl::StatusOr<std::unique_ptr<SubscriptionFeed>> Follow(uint64_t id, const ArtifactSpec& spec,
@@ -94,8 +94,14 @@ class Session : public SceneWatcher,
   absl::Status OnCredit(const v1::Credit& credit);
   absl::Status OnAcknowledgement(const v1::Acknowledgement& acknowledgement);
   absl::Status OnViewReport(const v1::ViewReport& report);
+  absl::Status OnPresence(const v1::Presence& presence);
+  void OnEditControl(const v1::EditControl& control);
   absl::Status Dispatch(const v1::SessionRequest& request);
   v1::SessionResponse MakeWelcome(const Scene& scene, uint32_t version) const;
+  // With the lock held, as for the next.
+  Output Choose();
+  bool MirrorAllows(const Reply& reply);
+  std::optional<v1::SessionResponse> NextNews();
 
   bool is_ending() const;
   void Push(v1::SessionResponse response, std::shared_ptr<const Scene> scene = nullptr);
@@ -104,16 +110,27 @@ class Session : public SceneWatcher,
 
   const SessionServices services_;
   const std::function<void()> wake_;
+  const LetGo let_go_;
   const std::string viewer_;  // the engine's name for who is behind this session
 
   // Set by the hello, then read only by OnRequest's thread.
   std::string scene_id_;
-  uint64_t incarnation_ = 0;
+  std::string incarnation_;
+  std::string client_name_;
+  std::shared_ptr<PresenceRoom> room_;
+  std::string participant_id_;  // empty: not seen by others
 
   mutable std::mutex mutex_;  // guards all below
+  bool is_welcome_ = false;   // and may be told other things
+  bool has_presence_news_ = false;
+  uint64_t told_presence_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> handed_over_at_;  // none: nothing under way
   bool mirrors_scene_ = false;
   SceneMirror mirror_;
-  std::deque<Reply> replies_;
+  // In the order of the requests.
+  std::deque<std::shared_ptr<Reply>> replies_;
+  // Of these, answers to a Subscribe, before which nothing of that subscription may be sent.
+  size_t unsent_subscribe_results_ = 0;
   FeedTable feeds_;
   uint64_t last_fed_ = 0;  // id of the subscription that sent last; the next one is due first
   std::optional<absl::Status> end_;

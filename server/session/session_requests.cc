@@ -1,6 +1,5 @@
 // What a session does with each request. Runs on one thread at a time.
 
-#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,7 +12,6 @@
 #include "proto/convert/status_convert.h"
 #include "render/scene/field_error.h"
 #include "render/scene/scene.h"
-#include "server/server_identity.h"
 #include "server/session/bounded_parse.h"
 #include "server/session/session.h"
 
@@ -70,6 +68,11 @@ absl::Status Session::Dispatch(const v1::SessionRequest& request) {
       return OnAcknowledgement(request.acknowledgement());
     case v1::SessionRequest::kViewReport:
       return OnViewReport(request.view_report());
+    case v1::SessionRequest::kPresence:
+      return OnPresence(request.presence());
+    case v1::SessionRequest::kEditControl:
+      OnEditControl(request.edit_control());
+      return absl::OkStatus();
     case v1::SessionRequest::kHello:
     case v1::SessionRequest::REQUEST_NOT_SET:
       break;
@@ -78,88 +81,45 @@ absl::Status Session::Dispatch(const v1::SessionRequest& request) {
                     "found none that this server knows, need one");
 }
 
-absl::Status Session::OnHello(const v1::Hello& hello) {
-  if (!scene_id_.empty()) {
-    return Failed("HELLO_REPEATED", "hello", "found a second one, need one in a session");
-  }
-  const auto& versions = hello.protocol_versions();
-  if (std::find(versions.begin(), versions.end(), kProtocolVersion) == versions.end()) {
-    End(Failed(
-        "VERSION", "hello.protocol_versions",
-        "found no version that this server speaks, need " + std::to_string(kProtocolVersion)));
-    return absl::OkStatus();
-  }
-  if (hello.client_name().size() > services_.limits.max_client_name_bytes) {
-    return FieldError(absl::StatusCode::kInvalidArgument, "LENGTH", "hello.client_name",
-                      "found " + std::to_string(hello.client_name().size()) +
-                          " bytes, need at most " +
-                          std::to_string(services_.limits.max_client_name_bytes));
-  }
-  if (auto status = CheckId(hello.scene_id(), "hello.scene_id"); !status.ok()) {
-    End(status);
-    return absl::OkStatus();
-  }
-  const auto watched = services_.scenes.Watch(hello.scene_id(), weak_from_this());
-  if (!watched.ok()) {
-    End(WithFieldPrefix(watched.status(), "hello."));
-    return absl::OkStatus();
-  }
-  scene_id_ = hello.scene_id();
-  incarnation_ = watched->incarnation;
-  Push(MakeWelcome(*watched->scene, kProtocolVersion));
-  if (hello.mirror_scene()) {
-    {
-      std::lock_guard lock(mutex_);
-      mirrors_scene_ = true;
-    }
-    // The newest: a commit may have come between.
-    const auto newest = services_.scenes.Snapshot(scene_id_);
-    if (newest.ok()) OnScene(*newest);
-  }
-  return absl::OkStatus();
-}
-
-v1::SessionResponse Session::MakeWelcome(const Scene& scene, uint32_t version) const {
-  v1::SessionResponse response;
-  v1::Welcome& welcome = *response.mutable_welcome();
-  welcome.set_protocol_version(version);
-  welcome.set_server_name(kServerName);
-  *welcome.mutable_limits() = ToProto(services_.limits);
-  for (auto& technique : AllTechniqueInfos()) *welcome.add_techniques() = std::move(technique);
-  for (const v1::Codec codec :
-       {v1::CODEC_RAW, v1::CODEC_ZSTD, v1::CODEC_ALL_VISIBLE, v1::CODEC_NONE_VISIBLE}) {
-    welcome.add_codecs(codec);
-  }
-  *welcome.mutable_scene() = ToProto(InfoOf(scene));
-  return response;
-}
-
-absl::StatusOr<CommitOutcome> Session::Apply(const v1::Commit& commit) {
+void Session::Apply(const v1::Commit& commit, CommitCallback done) {
+  if (auto status = room_->CheckMayEdit(participant_id_); !status.ok()) return done(status);
   const std::string& key = commit.idempotency_key();
   ContentHash fingerprint;
   if (!key.empty()) {
     // Before the delta is looked into: what it names may be gone since it was first applied.
     fingerprint = FingerprintOf(commit.delta());
     const auto first = services_.scenes.FirstAnswer(scene_id_, key, fingerprint);
-    if (!first.ok()) return first.status();
-    if (*first) return **first;
+    if (!first.ok()) return done(first.status());
+    if (*first) return done(**first);
   }
-  const auto delta = FromProto(commit.delta(), services_.blobs);
-  if (!delta.ok()) return delta.status();
-  return services_.scenes.Commit(
-      scene_id_, {.delta = *delta, .idempotency_key = key, .fingerprint = fingerprint}, this);
+  auto delta = FromProto(commit.delta(), services_.blobs);
+  if (!delta.ok()) return done(delta.status());
+  services_.scenes.Commit(scene_id_,
+                          {.delta = *std::move(delta),
+                           .idempotency_key = key,
+                           .fingerprint = fingerprint,
+                           .author_name = client_name_},
+                          weak_from_this(), std::move(done));
 }
 
 void Session::OnCommit(const v1::Commit& commit) {
-  v1::SessionResponse response;
-  v1::CommitResult& result = *response.mutable_commit_result();
-  result.set_commit_id(commit.commit_id());
-  const auto outcome = Apply(commit);
-  std::shared_ptr<const Scene> own;
+  const auto reply = std::make_shared<Reply>(Reply{.is_ready = false});
+  reply->response.mutable_commit_result()->set_commit_id(commit.commit_id());
+  {
+    std::lock_guard lock(mutex_);
+    if (end_ || closed_) return;
+    replies_.push_back(reply);
+  }
+  Apply(commit, [weak = weak_from_this(), reply](const absl::StatusOr<CommitOutcome>& outcome) {
+    if (const auto session = weak.lock()) session->AnswerCommit(*reply, outcome);
+  });
+}
+
+void Session::AnswerCommit(Reply& reply, const absl::StatusOr<CommitOutcome>& outcome) {
+  v1::CommitResult& result = *reply.response.mutable_commit_result();
   if (outcome.ok()) {
     result.set_revision(outcome->revision);
     result.set_content_hash(ToProto(outcome->content_hash));
-    own = outcome->scene;
   } else {
     *result.mutable_error() = ToProto(outcome.status());
     if (const auto scene = services_.scenes.Snapshot(scene_id_); scene.ok()) {
@@ -167,19 +127,28 @@ void Session::OnCommit(const v1::Commit& commit) {
       result.set_content_hash(ToProto((*scene)->content_hash()));
     }
   }
-  Push(std::move(response), std::move(own));
+  {
+    std::lock_guard lock(mutex_);
+    if (outcome.ok()) {
+      reply.scene = outcome->scene;
+      reply.revision = outcome->revision;
+    }
+    reply.is_ready = true;
+  }
+  wake_();
 }
 
 void Session::OnSubscribe(const v1::Subscribe& subscribe) {
-  Reply reply;
-  v1::SubscribeResult& result = *reply.response.mutable_subscribe_result();
+  const auto reply = std::make_shared<Reply>();
+  v1::SubscribeResult& result = *reply->response.mutable_subscribe_result();
   result.set_subscription_id(subscribe.subscription_id());
   auto feed = MakeFeed(subscribe);
   if (!feed.ok()) *result.mutable_error() = ToProto(feed.status());
   {
     // The feed and the reply at once: no update may go out before the reply.
     std::lock_guard lock(mutex_);
-    replies_.push_back(std::move(reply));
+    replies_.push_back(reply);
+    ++unsent_subscribe_results_;
     if (feed.ok()) {
       feeds_[subscribe.subscription_id()] = *std::move(feed);
       ++services_.counters.open_subscriptions;
@@ -254,6 +223,26 @@ absl::Status Session::OnViewReport(const v1::ViewReport& report) {
     view = *checked;
   }
   return services_.scenes.ReportView(scene_id_, viewer_, view);
+}
+
+absl::Status Session::OnPresence(const v1::Presence& presence) {
+  if (participant_id_.empty()) {
+    return Failed("NO_PRESENCE", "presence", "found none in the hello, need one there first");
+  }
+  if (auto status = CheckPresence(presence, services_.limits); !status.ok()) return status;
+  room_->Report(participant_id_, presence);
+  return absl::OkStatus();
+}
+
+void Session::OnEditControl(const v1::EditControl& control) {
+  const absl::Status status =
+      participant_id_.empty()
+          ? Failed("NO_PRESENCE", "edit_control", "found no presence in the hello, need one there")
+          : room_->Control(participant_id_, control);
+  v1::SessionResponse response;
+  response.mutable_edit_control_result()->set_request_id(control.request_id());
+  if (!status.ok()) *response.mutable_edit_control_result()->mutable_error() = ToProto(status);
+  Push(std::move(response));
 }
 
 absl::Status Session::OnAcknowledgement(const v1::Acknowledgement& acknowledgement) {

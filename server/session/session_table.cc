@@ -1,11 +1,40 @@
 #include "server/session/session_table.h"
 
+#include <chrono>
 #include <string>
 #include <utility>
 
 #include "render/scene/field_error.h"
 
 namespace penumbra {
+
+SessionTable::SessionTable(const ServerLimits& limits)
+    : limits_(limits), sweeper_([this] { Sweep(); }) {}
+
+SessionTable::~SessionTable() {
+  {
+    std::lock_guard lock(mutex_);
+    is_closing_ = true;
+  }
+  is_over_.notify_all();
+  sweeper_.join();
+}
+
+void SessionTable::Sweep() {
+  // A tenth late at most.
+  const auto interval = std::chrono::milliseconds(limits_.max_stall) / 10;
+  std::unique_lock lock(mutex_);
+  while (!is_over_.wait_for(lock, interval, [this] { return is_closing_; })) {
+    std::vector<std::shared_ptr<Session>> open;
+    for (const auto& weak : sessions_) {
+      if (auto session = weak.lock()) open.push_back(std::move(session));
+    }
+    lock.unlock();
+    for (const auto& session : open) session->EndIfStalled(std::chrono::steady_clock::now());
+    open.clear();
+    lock.lock();
+  }
+}
 
 absl::Status SessionTable::Add(std::weak_ptr<Session> session) {
   std::lock_guard lock(mutex_);

@@ -1,9 +1,11 @@
 // The sessions that are open, to bound their number and to end them all when the server does.
 #pragma once
 
+#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -13,7 +15,8 @@ namespace penumbra {
 
 class SessionTable {
  public:
-  explicit SessionTable(const ServerLimits& limits) : limits_(limits) {}
+  explicit SessionTable(const ServerLimits& limits);
+  ~SessionTable();
 
   // Errors  kResourceExhausted QUOTA_SESSIONS; after EndAll, its status
   absl::Status Add(std::weak_ptr<Session> session);
@@ -21,10 +24,15 @@ class SessionTable {
   void EndAll(const absl::Status& status);
 
  private:
+  void Sweep();
+
   const ServerLimits limits_;
   std::mutex mutex_;
   std::vector<std::weak_ptr<Session>> sessions_;
   std::optional<absl::Status> ended_;
+  std::condition_variable is_over_;
+  bool is_closing_ = false;
+  std::thread sweeper_;  // lets go of those that take nothing
 };
 
 }  // namespace penumbra

@@ -56,8 +56,8 @@ absl::StatusOr<std::vector<std::string>> ReceiversOf(const v1::SubscribeEach& re
 }  // namespace
 
 void Session::OnSubscribeEach(const v1::SubscribeEach& request) {
-  Reply reply;
-  v1::SubscribeEachResult& result = *reply.response.mutable_subscribe_each_result();
+  const auto reply = std::make_shared<Reply>();
+  v1::SubscribeEachResult& result = *reply->response.mutable_subscribe_each_result();
   result.set_first_subscription_id(request.first_subscription_id());
   auto feeds = MakeFeeds(request, result);
   if (!feeds.ok()) {
@@ -68,7 +68,8 @@ void Session::OnSubscribeEach(const v1::SubscribeEach& request) {
   {
     // The feeds and the reply at once: no update may go out before the reply.
     std::lock_guard lock(mutex_);
-    replies_.push_back(std::move(reply));
+    replies_.push_back(reply);
+    ++unsent_subscribe_results_;
     if (feeds.ok()) {
       services_.counters.open_subscriptions += feeds->size();
       for (auto& feed : *feeds) {

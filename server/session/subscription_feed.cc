@@ -51,6 +51,7 @@ bool SubscriptionFeed::HasMessage() const {
 
 void SubscriptionFeed::BeginUpdate() {
   sending_ = stream_->Latest();
+  if (sent_number_ > 0) skipped_ += sending_.number - sent_number_ - 1;
   sent_number_ = sending_.number;
   --credit_;
   sends_artifact_ =
@@ -58,6 +59,14 @@ void SubscriptionFeed::BeginUpdate() {
   is_first_message_ = true;
   base_ = acknowledged_;
   next_tile_ = 0;
+}
+
+std::optional<uint64_t> SubscriptionFeed::TakeSkipped(std::chrono::steady_clock::time_point now) {
+  constexpr std::chrono::seconds kInterval{1};
+  if (in_update() || skipped_ == told_skipped_ || now - told_at_ < kInterval) return std::nullopt;
+  told_skipped_ = skipped_;
+  told_at_ = now;
+  return skipped_;
 }
 
 SubscriptionFeed::Message SubscriptionFeed::NextMessage() {

@@ -5,8 +5,10 @@
 // the newest; it holds on to one artifact at most.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "grpcpp/support/byte_buffer.h"
@@ -33,6 +35,10 @@ class SubscriptionFeed {
   bool in_update() const { return sending_.number != 0; }
   // Whether there is a message to send now.
   bool HasMessage() const;
+
+  // States that were passed over since the first update, where somebody is to be told of them now:
+  // not more often than once a second.
+  std::optional<uint64_t> TakeSkipped(std::chrono::steady_clock::time_point now);
 
   struct Message {
     grpc::ByteBuffer bytes;  // a v1::SessionResponse
@@ -63,7 +69,10 @@ class SubscriptionFeed {
   const uint32_t max_credit_;
   const size_t max_message_bytes_;
   uint32_t credit_;
-  uint64_t sent_number_ = 0;    // StreamState::number of the update last begun
+  uint64_t sent_number_ = 0;   // StreamState::number of the update last begun
+  uint64_t skipped_ = 0;       // states that were never sent
+  uint64_t told_skipped_ = 0;  // of which the client has been told
+  std::chrono::steady_clock::time_point told_at_{};
   uint64_t held_sequence_ = 0;  // of the artifact last sent whole; the client holds it or soon will
   uint64_t acknowledged_ = 0;   // of the newest artifact that the client says it holds
 

@@ -57,6 +57,12 @@ absl::StatusOr<std::string> BlobFiles::Read(const ContentHash& hash) const {
 
 absl::Status BlobFiles::Remove(const ContentHash& hash) { return RemoveDurably(PathOf(hash)); }
 
+absl::Status BlobFiles::PutAside(const ContentHash& hash) {
+  std::error_code error;
+  fs::rename(PathOf(hash), PathOf(hash) + ".damaged", error);
+  return error ? FileError(PathOf(hash), error.value()) : SyncFolder(FolderOf(hash));
+}
+
 absl::StatusOr<std::vector<ContentHash>> BlobFiles::List() {
   std::vector<ContentHash> hashes;
   std::error_code error;

@@ -25,6 +25,8 @@ class BlobFiles {
   absl::StatusOr<std::string> Read(const ContentHash& hash) const;
 
   absl::Status Remove(const ContentHash& hash);
+  // Gives a damaged one another name.
+  absl::Status PutAside(const ContentHash& hash);
 
   // All that are there. What a crash left half written is removed.
   absl::StatusOr<std::vector<ContentHash>> List();

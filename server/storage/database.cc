@@ -121,7 +121,7 @@ absl::StatusOr<Database> Database::Open(const std::string& path, const DatabaseO
 }
 
 absl::Status Database::Configure() {
-  sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  CheckpointOnClose(false);
   sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   return Execute(kPragmas);
 }
@@ -150,8 +150,14 @@ absl::Status Database::Check() {
       "found '" + std::string(*row ? check->Text(0) : "nothing") + "', need it sound");
 }
 
-void Database::CheckpointOnClose() {
-  sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
+absl::Status Database::Checkpoint() {
+  const int code = sqlite3_wal_checkpoint_v2(database_.get(), nullptr, SQLITE_CHECKPOINT_TRUNCATE,
+                                             nullptr, nullptr);
+  return code == SQLITE_OK ? absl::OkStatus() : ErrorOf(database_.get(), code);
+}
+
+void Database::CheckpointOnClose(bool does) {
+  sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, does ? 0 : 1, nullptr);
 }
 
 absl::StatusOr<Transaction> Transaction::Begin(Database& database) {

@@ -71,7 +71,9 @@ class Database {
   absl::StatusOr<Statement> Prepare(std::string_view sql);
   // Whether the structure of the whole file is sound. Errors  kDataLoss DAMAGED: it is not
   absl::Status Check();
-  void CheckpointOnClose();
+  // Moves everything from the log into the file, now or when it is closed.
+  absl::Status Checkpoint();
+  void CheckpointOnClose(bool does);
 
  private:
   explicit Database(sqlite3* database) : database_(database, &Close) {}

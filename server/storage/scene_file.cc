@@ -54,10 +54,12 @@ absl::StatusOr<std::unique_ptr<SceneFile>> SceneFile::Create(const std::string& 
   {
     auto database = Database::Open(beside, {.create = true, .vfs = options.vfs});
     if (!database.ok()) return database.status();
-    database->CheckpointOnClose();
     SceneFile file(*std::move(database));
     file.identity_ = identity;
     if (auto status = file.Begin(start); !status.ok()) return status;
+    // The file alone gets the name.
+    if (auto status = file.database_.Checkpoint(); !status.ok()) return status;
+    file.database_.CheckpointOnClose(true);  // of an empty log, which is then removed
   }
   std::error_code error;
   std::filesystem::rename(beside, path, error);
@@ -99,7 +101,7 @@ absl::StatusOr<std::unique_ptr<SceneFile>> SceneFile::Open(const std::string& pa
   file->had_torn_tail_ = *log == WalState::kTornTail;
   if (auto status = file->Verify(); !status.ok()) return status;
   if (auto status = file->CountSinceSnapshot(); !status.ok()) return status;
-  file->database_.CheckpointOnClose();
+  file->database_.CheckpointOnClose(true);
   return file;
 }
 

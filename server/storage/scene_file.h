@@ -64,6 +64,8 @@ class SceneFile {
   // Keeps `snapshot`, of the head, and forgets what is older than the limits ask for.
   absl::Status AppendSnapshot(const SnapshotRecord& snapshot, const HistoryLimits& limits);
   bool is_snapshot_due(const HistoryLimits& limits) const;
+  // Writes nothing any more, when it is closed either: after an error of the disk.
+  void Abandon() { database_.CheckpointOnClose(false); }
 
   // How to make the scene at `revision`: from the newest snapshot before it.
   // Errors, further  kOutOfRange COMPACTED: it is older than what is kept

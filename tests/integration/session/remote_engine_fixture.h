@@ -93,8 +93,10 @@ class RemoteEngineTest : public ::testing::Test {
     server_ = *std::move(server);
   }
 
-  std::unique_ptr<RemoteEngine> Connect() {
-    auto engine = RemoteEngine::Connect({.address = server_->address()});
+  // By default a session ends with its connection.
+  std::unique_ptr<RemoteEngine> Connect(double reconnect_for_s = 0) {
+    auto engine =
+        RemoteEngine::Connect({.address = server_->address(), .reconnect_for_s = reconnect_for_s});
     EXPECT_TRUE(engine.ok()) << engine.status();
     return *std::move(engine);
   }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/scene/scene_difference.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/shapes.h"
 

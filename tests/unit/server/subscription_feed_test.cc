@@ -77,7 +77,7 @@ std::shared_ptr<const Artifact> MakeArtifact(Revision revision, bool radiance = 
 class SubscriptionFeedTest : public ::testing::Test {
  protected:
   SubscriptionFeed MakeFeed(uint32_t credit) {
-    return SubscriptionFeed(kId, streams_.Follow("s", 1, {}).value(), credit, limits_);
+    return SubscriptionFeed(kId, streams_.Follow("s", "1", {}).value(), credit, limits_);
   }
   void Publish(Revision revision, bool radiance = false) {
     engine_.publish({revision, absl::OkStatus(), MakeArtifact(revision, radiance)});
@@ -121,11 +121,11 @@ class BusyEngine : public ScriptedEngine {
 TEST_F(SubscriptionFeedTest, ASceneThatIsBusyKeepsNoOtherWaiting) {
   BusyEngine engine;
   StreamTable streams(engine, services_);
-  auto busy = std::async(std::launch::async, [&] { return streams.Follow("busy", 1, {}); });
+  auto busy = std::async(std::launch::async, [&] { return streams.Follow("busy", "1", {}); });
   engine.is_waiting.get_future().wait();
-  auto other = std::async(std::launch::async, [&] { return streams.Follow("other", 2, {}); });
+  auto other = std::async(std::launch::async, [&] { return streams.Follow("other", "2", {}); });
   EXPECT_EQ(other.wait_for(std::chrono::seconds(10)), std::future_status::ready);
-  auto again = std::async(std::launch::async, [&] { return streams.Follow("busy", 1, {}); });
+  auto again = std::async(std::launch::async, [&] { return streams.Follow("busy", "1", {}); });
   engine.go_on.set_value();
   const auto first = busy.get();
   ASSERT_TRUE(first.ok());
@@ -232,7 +232,7 @@ TEST_F(SubscriptionFeedTest, SubscribersShareOneStreamAndItsBytes) {
   Publish(1);
   EXPECT_EQ(Next(one).SerializeAsString(), Next(other).SerializeAsString());
   EXPECT_EQ(counters_.artifacts_encoded, 1u);
-  EXPECT_TRUE(streams_.Follow("s", 2, {}).ok());
+  EXPECT_TRUE(streams_.Follow("s", "2", {}).ok());
   EXPECT_EQ(engine_.subscriptions, 2) << "a scene made anew is another scene";
 }
 

@@ -1,0 +1,109 @@
+#include "client/session/edit_history.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "render/scene/field_error.h"
+#include "render/scene/scene_difference.h"
+
+namespace penumbra {
+namespace {
+
+// Others who commit at the same time make a commit on a certain revision fail. Whoever is this unlucky
+// stands in a queue of so many.
+constexpr int kMaxTries = 64;
+
+template <typename T>
+const T* Find(const Scene::Table<T>& table, const std::string& id) {
+  const auto found = table.find(id);
+  return found == table.end() ? nullptr : found->second.get();
+}
+
+// The first object of this kind of `delta` that is not in `now` as it is in `left`.
+template <typename T>
+absl::Status CheckUnedited(const Scene::Table<T>& left, const Scene::Table<T>& now,
+                           const std::vector<T>& upserts, const std::vector<std::string>& removals,
+                           const char* kind) {
+  std::vector<std::string> ids = removals;
+  for (const T& object : upserts) ids.push_back(object.id);
+  for (const std::string& id : ids) {
+    const T* was = Find(left, id);
+    const T* is = Find(now, id);
+    if (was == is || (was && is && *was == *is)) continue;
+    return FieldError(absl::StatusCode::kFailedPrecondition, "EDITED_SINCE",
+                      absl::StrCat(kind, "[", id, "]"),
+                      "found it edited since, need it as the edit left it");
+  }
+  return absl::OkStatus();
+}
+
+// Whether `delta` undoes nothing but what led to `left`.
+absl::Status CheckUnedited(const Scene& left, const Scene& now, const SceneDelta& delta) {
+  absl::Status status = CheckUnedited(left.instances(), now.instances(), delta.upsert_instances,
+                                      delta.remove_instances, "instances");
+  if (status.ok()) {
+    status = CheckUnedited(left.lights(), now.lights(), delta.upsert_lights, delta.remove_lights,
+                           "lights");
+  }
+  if (status.ok()) {
+    status = CheckUnedited(left.receivers(), now.receivers(), delta.upsert_receivers,
+                           delta.remove_receivers, "receivers");
+  }
+  return status;
+}
+
+}  // namespace
+
+absl::StatusOr<EditHistory::Edit> EditHistory::CommitOnNewest(const SceneDelta& delta) {
+  SceneDelta based = delta;
+  for (int tries = 0;; ++tries) {
+    const auto before = engine_.Snapshot(scene_id_);
+    if (!before.ok()) return before.status();
+    if (!delta.base_revision) based.base_revision = (*before)->revision();
+    const auto revision = engine_.Commit(scene_id_, based);
+    if (ErrorReason(revision.status()) == "STALE_BASE" && !delta.base_revision &&
+        tries < kMaxTries) {
+      continue;
+    }
+    if (!revision.ok()) return revision.status();
+    const auto after = (*before)->Apply(based);
+    if (!after.ok()) return after.status();
+    return Edit{*before, *after};
+  }
+}
+
+absl::StatusOr<Revision> EditHistory::Commit(const SceneDelta& delta) {
+  auto edit = CommitOnNewest(delta);
+  if (!edit.ok()) return edit.status();
+  undone_.clear();
+  done_.push_back(*std::move(edit));
+  if (done_.size() > max_edits_) done_.pop_front();
+  return done_.back().after->revision();
+}
+
+absl::StatusOr<Revision> EditHistory::Turn(std::deque<Edit>& from, std::deque<Edit>& to,
+                                           const char* nothing) {
+  if (from.empty()) {
+    return FieldError(absl::StatusCode::kFailedPrecondition, nothing, "history",
+                      "found no edit, need one");
+  }
+  const Edit edit = std::move(from.back());
+  from.pop_back();
+  SceneDelta back = Difference(*edit.after, *edit.before);
+  for (int tries = 0;; ++tries) {
+    const auto now = engine_.Snapshot(scene_id_);
+    if (!now.ok()) return now.status();
+    if (auto status = CheckUnedited(*edit.after, **now, back); !status.ok()) return status;
+    back.base_revision = (*now)->revision();
+    const auto revision = engine_.Commit(scene_id_, back);
+    if (ErrorReason(revision.status()) == "STALE_BASE" && tries < kMaxTries) continue;
+    if (revision.ok()) to.push_back({edit.after, edit.before});
+    return revision;
+  }
+}
+
+absl::StatusOr<Revision> EditHistory::Undo() { return Turn(done_, undone_, "NOTHING_TO_UNDO"); }
+
+absl::StatusOr<Revision> EditHistory::Redo() { return Turn(undone_, done_, "NOTHING_TO_REDO"); }
+
+}  // namespace penumbra

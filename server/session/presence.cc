@@ -1,0 +1,186 @@
+#include "server/session/presence.h"
+
+#include <utility>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "proto/convert/geometry_convert.h"
+#include "render/scene/field_error.h"
+#include "render/scene/scene.h"
+#include "server/storage/data_directory.h"
+
+namespace penumbra {
+namespace {
+
+absl::Status Refused(const char* reason, const std::string& text) {
+  return FieldError(absl::StatusCode::kFailedPrecondition, reason, "edit_control", text);
+}
+
+absl::Status TooLong(const char* field, size_t found, size_t most) {
+  return FieldError(absl::StatusCode::kInvalidArgument, "LENGTH", field,
+                    absl::StrCat("found ", found, ", need at most ", most));
+}
+
+}  // namespace
+
+std::string PresenceRoom::Join(std::weak_ptr<PresenceListener> listener, v1::Presence presence) {
+  const std::string id = absl::BytesToHexString(RandomBytes(16));
+  v1::Participant participant;
+  participant.set_participant_id(id);
+  *participant.mutable_presence() = std::move(presence);
+  std::lock_guard lock(mutex_);
+  members_[id] = {.participant = std::move(participant),
+                  .listener = std::move(listener),
+                  .version = ++version_};
+  Changed();
+  return id;
+}
+
+void PresenceRoom::Leave(const std::string& id) {
+  std::lock_guard lock(mutex_);
+  if (members_.erase(id) == 0) return;
+  left_[++version_] = id;
+  // Whoever is so far behind is told everything anew.
+  constexpr size_t kRemembered = 1'024;
+  if (left_.size() > kRemembered) left_.erase(left_.begin());
+  if (editor_ == id) {
+    editor_.clear();
+    editor_version_ = version_;
+  }
+  Changed();
+}
+
+void PresenceRoom::Report(const std::string& id, v1::Presence presence) {
+  std::lock_guard lock(mutex_);
+  const auto member = members_.find(id);
+  if (member == members_.end()) return;
+  *member->second.participant.mutable_presence() = std::move(presence);
+  member->second.version = ++version_;
+  Changed();
+}
+
+absl::Status PresenceRoom::Control(const std::string& id, const v1::EditControl& control) {
+  std::lock_guard lock(mutex_);
+  const bool is_mine = editor_ == id;
+  std::string next = editor_;
+  bool has_one_editor = has_one_editor_;
+  switch (control.action_case()) {
+    case v1::EditControl::kTake:
+      if (!editor_.empty() && !is_mine && !control.take().from_other()) {
+        return Refused("EDITOR_PRESENT", absl::StrCat("found ", editor_,
+                                                      " editing, need nobody, or "
+                                                      "from_other"));
+      }
+      next = id;
+      has_one_editor = true;
+      break;
+    case v1::EditControl::kHandOver:
+      if (!is_mine) return Refused("NOT_EDITOR", "found another editor, need to be it");
+      if (!members_.contains(control.hand_over().participant_id())) {
+        return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID",
+                          "edit_control.hand_over.participant_id",
+                          "found nobody of that id, need one who is here");
+      }
+      next = control.hand_over().participant_id();
+      break;
+    case v1::EditControl::kRelease:
+      if (!is_mine) return Refused("NOT_EDITOR", "found another editor, need to be it");
+      next.clear();
+      has_one_editor = control.release().keep_single_editor();
+      break;
+    case v1::EditControl::ACTION_NOT_SET:
+      return FieldError(absl::StatusCode::kInvalidArgument, "MISSING_FIELD", "edit_control.action",
+                        "found none that this server knows, need one");
+  }
+  if (next == editor_ && has_one_editor == has_one_editor_) return absl::OkStatus();
+  editor_ = std::move(next);
+  has_one_editor_ = has_one_editor;
+  editor_version_ = ++version_;
+  Changed();
+  return absl::OkStatus();
+}
+
+absl::Status PresenceRoom::CheckMayEdit(const std::string& id) const {
+  std::lock_guard lock(mutex_);
+  if (!has_one_editor_ || editor_ == id) return absl::OkStatus();
+  return FieldError(absl::StatusCode::kFailedPrecondition, "NOT_EDITOR", "commit",
+                    editor_.empty()
+                        ? "found a scene of one editor, need to take editing first"
+                        : absl::StrCat("found ", editor_, " editing, need to be the one editor"));
+}
+
+bool PresenceRoom::ChangesSince(uint64_t& told, const std::string& id,
+                                v1::PresenceUpdate& update) const {
+  std::lock_guard lock(mutex_);
+  const bool is_everything = told == 0 || (!left_.empty() && told < left_.begin()->first - 1);
+  update.set_is_everything(is_everything);
+  for (const auto& [member_id, member] : members_) {
+    if (member_id != id && (is_everything || member.version > told)) {
+      *update.add_participants() = member.participant;
+    }
+  }
+  if (!is_everything) {
+    for (auto left = left_.upper_bound(told); left != left_.end(); ++left) {
+      update.add_left(left->second);
+    }
+  }
+  update.set_single_editor(has_one_editor_);
+  update.set_editor_id(editor_);
+  const bool is_new = is_everything || editor_version_ > told || update.participants_size() > 0 ||
+                      update.left_size() > 0;
+  told = version_;
+  return is_new;
+}
+
+void PresenceRoom::Changed() {
+  if (std::exchange(is_telling_, true)) return;
+  delay_.Post([weak = weak_from_this()] {
+    if (const auto room = weak.lock()) room->TellAll();
+  });
+}
+
+void PresenceRoom::TellAll() {
+  std::vector<std::shared_ptr<PresenceListener>> listeners;
+  {
+    std::lock_guard lock(mutex_);
+    is_telling_ = false;
+    for (const auto& [id, member] : members_) {
+      if (auto listener = member.listener.lock()) listeners.push_back(std::move(listener));
+    }
+  }
+  for (const auto& listener : listeners) listener->OnPresenceChanged();
+}
+
+std::shared_ptr<PresenceRoom> PresenceTable::RoomOf(const std::string& incarnation) {
+  std::lock_guard lock(mutex_);
+  std::erase_if(rooms_, [](const auto& room) { return room.second.expired(); });
+  auto& slot = rooms_[incarnation];
+  auto room = slot.lock();
+  if (!room) slot = room = std::make_shared<PresenceRoom>(delay_);
+  return room;
+}
+
+absl::Status CheckPresence(const v1::Presence& presence, const ServerLimits& limits) {
+  if (presence.display_name().size() > limits.max_display_name_bytes) {
+    return TooLong("presence.display_name", presence.display_name().size(),
+                   limits.max_display_name_bytes);
+  }
+  if (presence.colour_rgb() > 0xffffff) {
+    return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "presence.colour_rgb",
+                      absl::StrCat("found ", presence.colour_rgb(), ", need at most 0xffffff"));
+  }
+  const auto count = static_cast<size_t>(presence.selected_ids_size());
+  if (count > limits.max_selected_ids) {
+    return TooLong("presence.selected_ids", count, limits.max_selected_ids);
+  }
+  for (size_t i = 0; i < count; ++i) {
+    const std::string path = absl::StrCat("presence.selected_ids[", i, "]");
+    if (auto status = CheckId(presence.selected_ids(static_cast<int>(i)), path); !status.ok()) {
+      return status;
+    }
+  }
+  if (!presence.has_camera()) return absl::OkStatus();
+  return WithFieldPrefix(FromProto(presence.camera()).status(), "presence.");
+}
+
+}  // namespace penumbra

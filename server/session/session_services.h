@@ -1,0 +1,23 @@
+// What sessions work with.
+#pragma once
+
+#include "server/counters.h"
+#include "server/limits.h"
+#include "server/scene_store/blob_store.h"
+#include "server/scene_store/scene_store.h"
+#include "server/session/artifact_stream.h"
+#include "server/session/presence.h"
+
+namespace penumbra {
+
+// All of it outlives them.
+struct SessionServices {
+  SceneStore& scenes;
+  BlobStore& blobs;
+  StreamTable& streams;
+  PresenceTable& presence;
+  const ServerLimits& limits;
+  ServerCounters& counters;
+};
+
+}  // namespace penumbra

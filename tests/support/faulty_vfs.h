@@ -1,0 +1,43 @@
+// A file system for SQLite that fails when it is told to, and is the system's otherwise.
+//
+//   FaultyVfs vfs;                       // options.vfs = vfs.name()
+//   vfs.FailAfter(3, FaultyVfs::Call::kSync, SQLITE_IOERR_FSYNC);
+#pragma once
+
+#include <sqlite3.h>
+
+#include <atomic>
+#include <cstdint>
+
+namespace penumbra::testing {
+
+// One at a time.
+class FaultyVfs {
+ public:
+  enum class Call { kNone, kAny, kWrite, kSync };
+
+  FaultyVfs();
+  ~FaultyVfs();
+  FaultyVfs(const FaultyVfs&) = delete;
+  FaultyVfs& operator=(const FaultyVfs&) = delete;
+
+  const char* name() const;
+
+  // The call of this kind after `calls` more of them fails with `code`, and so do all that follow,
+  // until Heal: a disk that is full stays full. A sync that fails `drops` what was to be synced.
+  void FailAfter(int64_t calls, Call kind, int code);
+  void Heal();
+  // Calls of the kind since FailAfter.
+  int64_t failures() const;
+
+  // Asked by the files. SQLITE_OK, or what to fail with.
+  int Permit(Call kind);
+
+ private:
+  std::atomic<Call> kind_{Call::kNone};
+  std::atomic<int> code_{SQLITE_OK};
+  std::atomic<int64_t> left_{0};
+  std::atomic<int64_t> failures_{0};
+};
+
+}  // namespace penumbra::testing
