@@ -11,6 +11,7 @@
 #include "client/cli/compute_shadow.h"
 #include "client/cli/draw_scene.h"
 #include "client/cli/fitting_options.h"
+#include "client/cli/json_number.h"
 #include "client/cli/open_engine.h"
 #include "client/cli/output_files.h"
 #include "client/cli/run_command.h"
@@ -48,6 +49,8 @@ bool NeedWholeVolumes(const ViewCommand& command, TechniqueParams& params) {
   return *volumes != before;
 }
 
+Json ToJson(Vec3 v) { return {JsonNumber(v.x), JsonNumber(v.y), JsonNumber(v.z)}; }
+
 Json ToJson(const ViewCommand& command, size_t shadows, const DrawnPicture& drawn) {
   const Camera& camera = drawn.camera;
   return {{"out", command.out.string()},
@@ -55,11 +58,11 @@ Json ToJson(const ViewCommand& command, size_t shadows, const DrawnPicture& draw
           {"height", command.size.height},
           {"shadows", shadows},
           {"camera",
-           {{"eye", {camera.eye.x, camera.eye.y, camera.eye.z}},
-            {"target", {camera.target.x, camera.target.y, camera.target.z}},
-            {"up", {camera.up.x, camera.up.y, camera.up.z}},
-            {"fov_y_deg", camera.fov_y_deg}}},
-          {"exposure", drawn.exposure},
+           {{"eye", ToJson(camera.eye)},
+            {"target", ToJson(camera.target)},
+            {"up", ToJson(camera.up)},
+            {"fov_y_deg", JsonNumber(camera.fov_y_deg)}}},
+          {"exposure", JsonNumber(drawn.exposure)},
           {"renderer", drawn.renderer},
           {"draw_ms", drawn.draw_ms}};
 }

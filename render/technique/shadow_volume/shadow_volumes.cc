@@ -12,6 +12,8 @@
 #include "render/artifact/light_extent.h"
 #include "render/light_view/make_depth_source.h"
 #include "render/light_view/ray_depth_source.h"
+#include "render/scene/field_error.h"
+#include "render/technique/float_text.h"
 #include "render/technique/kept_bvhs.h"
 #include "render/technique/map_passes.h"
 #include "render/technique/shadow_volume/object_volumes.h"
@@ -137,14 +139,12 @@ ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec) {
   ArtifactHeader header = HeaderOf(scene, spec);
   header.samples_requested = 1;
   header.light_samples = {MiddleOf(*scene.FindLight(spec.light_id))};
-  const auto threshold = [](float value) {
-    return value > 0 ? absl::StrFormat("%.9g", value) : "by the map";
-  };
+  const auto threshold = [](float value) { return value > 0 ? FloatText(value) : "by the map"; };
   const ShadowVolumeOptions options = OptionsOf(params);
   const EdgeThresholds thresholds =
       options.edges.thresholds.value_or(EdgeThresholds{.low = 0, .high = 0});
   header.parameters = {
-      {"bias", absl::StrFormat("%.9g", params.bias)},
+      {"bias", FloatText(params.bias)},
       {"low_threshold", threshold(thresholds.low)},
       {"high_threshold", threshold(thresholds.high)},
       {"surface", std::string(NameOf(params.surface))},

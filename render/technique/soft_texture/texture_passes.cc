@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "render/math/parallel_for.h"
+#include "render/technique/float_text.h"
 #include "render/technique/passes.h"
 #include "render/technique/soft_texture/params_check.h"
 #include "render/technique/spec_check.h"
@@ -221,7 +222,7 @@ void TexturePasses::Shade(SoftShadowTexture& texture) {
   });
   header_.timings_ms["shading"] = shading.ElapsedMs();
   if (IsUnorm(texture.radiance->format)) {
-    header_.parameters["output_scale"] = absl::StrFormat("%.9g", texture.radiance->scale);
+    header_.parameters["output_scale"] = FloatText(texture.radiance->scale);
   }
 }
 

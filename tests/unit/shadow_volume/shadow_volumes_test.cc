@@ -187,6 +187,8 @@ TEST(ShadowVolumesTest, EitherThresholdMayBeGiven) {
   const auto low = Compute(*scene, {.low_threshold = 3}).value();
   const auto high = Compute(*scene, {.high_threshold = 12}).value();
   EXPECT_EQ(low.header.parameters.at("high_threshold"), "12");
+  const auto short_number = Compute(*scene, {.high_threshold = 0.1f}).value();
+  EXPECT_EQ(short_number.header.parameters.at("high_threshold"), "0.1");
   EXPECT_EQ(high.header.parameters.at("low_threshold"), "3");
   EXPECT_EQ(MeshIn(low).volumes[0]->indices, MeshIn(high).volumes[0]->indices);
 }
