@@ -169,11 +169,22 @@ void SetPass(const ShadowVolumeMesh& mesh, uint32_t resolution, const std::strin
       100 * mesh.edge_fraction);
 }
 
+// Of two that are given; one alone decides on the other.
+absl::Status CheckOrder(const ShadowVolumeParams& params) {
+  if (params.high_threshold == 0 || !(params.low_threshold > params.high_threshold)) {
+    return absl::OkStatus();
+  }
+  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "shadow_volume.low_threshold",
+                    absl::StrCat("found ", params.low_threshold, " above high_threshold ",
+                                 params.high_threshold, ", need at most that"));
+}
+
 }  // namespace
 
 absl::Status ShadowVolumes::Check(const Scene& scene, const ArtifactSpec& spec) const {
   const auto status = CheckShadowVolumeOptions(OptionsOf(ParamsOf(spec)));
   if (!status.ok()) return Within("shadow_volume.", status);
+  if (const auto order = CheckOrder(ParamsOf(spec)); !order.ok()) return order;
   if (const auto target = CheckTarget(spec); !target.ok()) return target;
   if (const auto budget = CheckTimeBudget(spec); !budget.ok()) return budget;
   return CheckOneLight(scene, spec.light_id);

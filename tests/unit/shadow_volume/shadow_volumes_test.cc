@@ -87,12 +87,18 @@ TEST(ShadowVolumesTest, ParametersAreChecked) {
       {{.low_threshold = NAN}, "shadow_volume.low_threshold"},
       {{.high_threshold = INFINITY}, "shadow_volume.low_threshold"},
       {{.low_threshold = 1, .high_threshold = 2e6f}, "shadow_volume.high_threshold"},
+      {{.low_threshold = 5, .high_threshold = 1}, "shadow_volume.low_threshold"},
   };
   for (const auto& [params, field] : wrong) {
     const auto status = Compute(*scene, params).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << field;
     EXPECT_EQ(ErrorFieldPath(status), field) << status;
   }
+  EXPECT_NE(Compute(*scene, {.low_threshold = 5, .high_threshold = 1})
+                .status()
+                .message()
+                .find("found 5 above high_threshold 1, need at most that"),
+            std::string::npos);
   tbb::task_arena arena(1);
   ComputeContext context{.arena = arena};
   const auto unknown = ShadowVolumes().Compute(*scene, {ShadowVolumeParams{}, "sun"}, context);
