@@ -134,21 +134,6 @@ absl::Status Draw(const ViewCommand& command, Pencil& pencil, const Camera& came
   return absl::OkStatus();
 }
 
-absl::Status CheckOptionsFit(const ViewCommand& command) {
-  const TechniqueParams& params = command.request.params;
-  const SpecTarget target = InfoOf(params).target;
-  if (command.max_planar_receivers && target != SpecTarget::kReceiver) {
-    return TechniqueConflict("--receivers", params, "soft_texture");
-  }
-  if (command.has_final_settings && target == SpecTarget::kPoints) {
-    return TechniqueConflict("--final-set", params, "--set");
-  }
-  if (command.volume_look && !std::holds_alternative<ShadowVolumeParams>(params)) {
-    return TechniqueConflict(command.volume_option, params, ShadowVolumeParams::kInfo.name);
-  }
-  return CheckOptionsFit(command.request);
-}
-
 }  // namespace
 
 absl::Status Run(const ViewCommand& asked, const Console& console, std::stop_token stop) {

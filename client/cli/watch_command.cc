@@ -201,6 +201,9 @@ absl::Status Run(const WatchCommand& command, const Console& console, std::stop_
   if (command.picture && InfoOf(command.params).target != SpecTarget::kPoints) {
     return TechniqueConflict("--picture", command.params, "coherent_raytrace");
   }
+  if (const auto status = CheckLightsFit(command.light_ids, command.params); !status.ok()) {
+    return status;
+  }
   const auto engine = RemoteEngine::Connect({.address = command.engine.server});
   if (!engine.ok()) return engine.status();
   const auto scene = SceneOf(**engine, command.scene_id);
