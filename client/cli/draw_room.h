@@ -1,6 +1,6 @@
 // Whether shadow widths fit into what a device draws from, told before they are computed.
 //
-//   const auto compute = [&](const PlannedShadow& small) { return ComputeShadow(…, small.spec, …); };
+//   const auto compute = [&](const PlannedShadow& s) { return ComputeShadow(…, s.spec, …); };
 //   absl::Status status = CheckWidthsFit(wanted, {.bytes = 1 << 27, .device = "…"}, compute);
 #pragma once
 
@@ -26,8 +26,8 @@ struct DrawRoom {
 using ComputePlanned =
     std::function<absl::StatusOr<std::shared_ptr<const Artifact>>(const PlannedShadow& shadow)>;
 
-// Where there might be too many, maps of an eighth of the sides are computed, and tell how large the
-// planned ones become, to 2 %. Other techniques are not looked at.
+// Where there might be too many, maps of an eighth of the sides are computed, and tell how large
+// the planned ones become, to 2 %. Other techniques are not looked at.
 //
 // Errors  kResourceExhausted QUOTA_DRAW_BYTES, "--set resolution": more than `room`, with the
 //         resolution that fits; those of `compute`

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <string>
 
-#include "render/technique/float_text.h"
+#include "render/math/float_text.h"
 
 namespace penumbra {
 

@@ -213,15 +213,17 @@ ArtifactSpec SpecOf(const WatchCommand& command, const std::string& light_id,
   return spec;
 }
 
-}  // namespace
-
-absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
+absl::Status CheckOptionsFit(const WatchCommand& command) {
   if (command.picture && InfoOf(command.params).target != SpecTarget::kPoints) {
     return TechniqueConflict("--picture", command.params, "coherent_raytrace");
   }
-  if (const auto status = CheckLightsFit(command.light_ids, command.params); !status.ok()) {
-    return status;
-  }
+  return CheckLightsFit(command.light_ids, command.params);
+}
+
+}  // namespace
+
+absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
+  if (const auto status = CheckOptionsFit(command); !status.ok()) return status;
   const auto engine = RemoteEngine::Connect({.address = command.engine.server});
   if (!engine.ok()) return engine.status();
   const auto scene = SceneOf(**engine, command.scene_id);

@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "render/math/float_text.h"
 #include "render/scene/field_error.h"
 #include "render/scene/light_sample.h"
 #include "render/scene/scene_limits.h"
-#include "render/technique/float_text.h"
 
 namespace penumbra {
 namespace {

@@ -4,9 +4,9 @@
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
+#include "render/math/float_text.h"
 #include "render/scene/field_error.h"
 #include "render/scene/scene_limits.h"
-#include "render/technique/float_text.h"
 #include "render/technique/soft_texture/all_lights.h"
 #include "render/technique/spec_check.h"
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "render/math/float_text.h"
 #include "render/math/parallel_for.h"
-#include "render/technique/float_text.h"
 #include "render/technique/passes.h"
 #include "render/technique/soft_texture/params_check.h"
 #include "render/technique/spec_check.h"
