@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/cli/bake_files.h"
+#include "client/cli/json_number.h"
 #include "client/cli/light_json.h"
 
 namespace penumbra {
@@ -8,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json ToJson(Vec3 v) { return {v.x, v.y, v.z}; }
+Json ToJson(Vec3 v) { return {JsonNumber(v.x), JsonNumber(v.y), JsonNumber(v.z)}; }
 
 // A number or a truth value where the text is one.
 Json ParameterToJson(const std::string& text) {
@@ -24,7 +25,7 @@ Json ToJson(const std::map<std::string, std::string>& parameters) {
 
 Json ToJson(const LightSample& sample) {
   return {{sample.at_infinity ? "direction" : "position", ToJson(sample.point)},
-          {"weight", sample.weight}};
+          {"weight", JsonNumber(sample.weight)}};
 }
 
 Json ReceiverToJson(const std::string& id, const ReceiverPatch& receiver) {
@@ -47,7 +48,7 @@ Json ToJson(const PicturePixels& picture) {
            {{"eye", ToJson(picture.camera.eye)},
             {"target", ToJson(picture.camera.target)},
             {"up", ToJson(picture.camera.up)},
-            {"fov_y_deg", picture.camera.fov_y_deg}}},
+            {"fov_y_deg", JsonNumber(picture.camera.fov_y_deg)}}},
           {"width", picture.width},
           {"height", picture.height},
           {"part", ToJson(picture.part())}};
@@ -133,19 +134,19 @@ struct Particulars {
     json["faces"] = Json::array();
     for (const LdiFace& face : ldi.faces) json["faces"].push_back(ToJson(face));
     json["sample_count"] = ldi.sample_count;
-    json["tolerance"] = ldi.tolerance;
+    json["tolerance"] = JsonNumber(ldi.tolerance);
   }
   void operator()(const ShadowVolumeMesh& mesh) const {
     json["volumes"] = Json::array();
     for (const auto& volume : mesh.volumes) json["volumes"].push_back(ToJson(*volume));
-    json["bias_px"] = mesh.bias_px;
-    json["edge_fraction"] = mesh.edge_fraction;
+    json["bias_px"] = JsonNumber(mesh.bias_px);
+    json["edge_fraction"] = JsonNumber(mesh.edge_fraction);
   }
   void operator()(const ShadowWidthMap& map) const {
     json["faces"] = Json::array();
     for (const ShadowWidthFace& face : map.faces) json["faces"].push_back(ToJson(face));
-    if (map.c_scale) json["c_scale"] = *map.c_scale;
-    json["c_bias"] = map.c_bias;
+    if (map.c_scale) json["c_scale"] = JsonNumber(*map.c_scale);
+    json["c_bias"] = JsonNumber(map.c_bias);
   }
 };
 
@@ -171,7 +172,8 @@ std::string BakeJson(const BakeRecord& record, float exposure) {
     if (extension != "json") json["files"][extension] = record.name + "." + extension;
   }
   if (json["files"].contains("png")) {
-    json["png"] = {{"transfer", "sRGB"}, {"tone", "clipped at 1"}, {"exposure", exposure}};
+    json["png"] = {
+        {"transfer", "sRGB"}, {"tone", "clipped at 1"}, {"exposure", JsonNumber(exposure)}};
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -83,6 +83,7 @@ struct ViewCommand {
   std::optional<float> exposure;          // absent: found from the picture
   std::optional<VolumeLook> volume_look;  // some of it was given
   std::string volume_option;              // the last one that did
+  bool has_volume_opacity = false;
   bool culls_back_faces = false;
   bool json = false;
 };

@@ -22,6 +22,10 @@ class GlPencil : public Pencil {
   GlPencil(std::unique_ptr<gl::Context> context, std::unique_ptr<ThinRenderer> renderer)
       : context_(std::move(context)), renderer_(std::move(renderer)) {}
 
+  DrawRoom room() const override {
+    return {.bytes = static_cast<uint64_t>(context_->info().max_storage_bytes),
+            .device = context_->info().renderer};
+  }
   absl::StatusOr<DrawnPicture> Draw(const Scene& scene, const Shadows& shadows,
                                     const DrawRequest& request,
                                     const std::filesystem::path& path) override;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/cli/draw_room.h"
 #include "client/cli/numbers.h"
 #include "client/display/volume_look.h"
 #include "client/import/import_scene.h"
@@ -50,6 +51,9 @@ class Pencil {
   // Errors  kUnavailable: no EGL device
   static absl::StatusOr<std::unique_ptr<Pencil>> Create();
   virtual ~Pencil() = default;
+
+  // For all that says of any surface what it sees of the lights.
+  virtual DrawRoom room() const = 0;
 
   // Draws and writes: .png toned in sRGB, .exr in linear light.
   virtual absl::StatusOr<DrawnPicture> Draw(const Scene& scene, const Shadows& shadows,

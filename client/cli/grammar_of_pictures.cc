@@ -20,7 +20,8 @@ void Grammar::AddVolumeLook(CLI::App* app) {
         return SetVolumeShading(text, look("--volume-shading").shading);
       });
   Add(app, "--volume-opacity", "SHARE", "How dark composited shadows are (default 0.5)",
-      [look](const std::string& text) {
+      [this, look](const std::string& text) {
+        view_.has_volume_opacity = true;
         return SetVolumeOpacity(text, look("--volume-opacity").opacity);
       });
   Add(app, "--volume-passes", "N",
@@ -61,8 +62,9 @@ void Grammar::AddView() {
   Add(app, "--ambient", "\"r g b\"",
       "Radiance that reaches every surface (default: a share of the light there is)",
       [this](const std::string& text) { return SetAmbient(text, view_.ambient); });
-  app->add_flag("--cull-back-faces", view_.culls_back_faces,
-                "Leave out faces that turn away, to look into a closed room");
+  app->add_flag(
+      "--cull-back-faces", view_.culls_back_faces,
+      "Leave out faces that turn away, to look into a closed room; not of traced pictures");
   AddVolumeLook(app);
   Add(app, "--exposure", "FACTOR",
       "What radiance is multiplied by in a PNG (default: from the picture)",

@@ -2,12 +2,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/cli/json_number.h"
+
 namespace penumbra {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json ToJson(Vec3 v) { return {v.x, v.y, v.z}; }
+Json ToJson(Vec3 v) { return {JsonNumber(v.x), JsonNumber(v.y), JsonNumber(v.z)}; }
 
 Json ToJson(const RectangleLight& light) {
   return {{"type", "rectangle"},
@@ -22,7 +24,7 @@ Json ToJson(const DiskLight& light) {
   return {{"type", "disk"},
           {"center", ToJson(light.center)},
           {"normal", ToJson(light.normal)},
-          {"radius", light.radius},
+          {"radius", JsonNumber(light.radius)},
           {"radiance", ToJson(light.radiance)},
           {"two_sided", light.two_sided}};
 }
@@ -30,7 +32,7 @@ Json ToJson(const DiskLight& light) {
 Json ToJson(const SphereLight& light) {
   return {{"type", "sphere"},
           {"center", ToJson(light.center)},
-          {"radius", light.radius},
+          {"radius", JsonNumber(light.radius)},
           {"radiance", ToJson(light.radiance)}};
 }
 
@@ -45,14 +47,14 @@ Json ToJson(const SpotLight& light) {
           {"position", ToJson(light.position)},
           {"direction", ToJson(light.direction)},
           {"intensity", ToJson(light.intensity)},
-          {"inner_angle", light.inner_angle},
-          {"outer_angle", light.outer_angle}};
+          {"inner_angle", JsonNumber(light.inner_angle)},
+          {"outer_angle", JsonNumber(light.outer_angle)}};
 }
 
 Json ToJson(const DistantLight& light) {
   return {{"type", "distant"},
           {"to_light", ToJson(light.to_light)},
-          {"angular_diameter", light.angular_diameter},
+          {"angular_diameter", JsonNumber(light.angular_diameter)},
           {"irradiance", ToJson(light.irradiance)}};
 }
 

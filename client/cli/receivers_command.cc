@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/json_number.h"
 #include "client/cli/run_command.h"
 #include "client/cli/surface_plan.h"
 #include "render/scene/receiver_place.h"
@@ -22,7 +23,7 @@ struct Listed {
   Vec3 center() const { return patch.patch.At({0.5f, 0.5f}); }
 };
 
-Json ToJson(Vec3 v) { return {v.x, v.y, v.z}; }
+Json ToJson(Vec3 v) { return {JsonNumber(v.x), JsonNumber(v.y), JsonNumber(v.z)}; }
 
 Json ToJson(const Listed& listed) {
   const Parallelogram& patch = listed.patch.patch;

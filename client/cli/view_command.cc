@@ -11,6 +11,7 @@
 #include "client/cli/compute_shadow.h"
 #include "client/cli/draw_scene.h"
 #include "client/cli/fitting_options.h"
+#include "client/cli/json_number.h"
 #include "client/cli/open_engine.h"
 #include "client/cli/output_files.h"
 #include "client/cli/run_command.h"
@@ -48,6 +49,8 @@ bool NeedWholeVolumes(const ViewCommand& command, TechniqueParams& params) {
   return *volumes != before;
 }
 
+Json ToJson(Vec3 v) { return {JsonNumber(v.x), JsonNumber(v.y), JsonNumber(v.z)}; }
+
 Json ToJson(const ViewCommand& command, size_t shadows, const DrawnPicture& drawn) {
   const Camera& camera = drawn.camera;
   return {{"out", command.out.string()},
@@ -55,23 +58,27 @@ Json ToJson(const ViewCommand& command, size_t shadows, const DrawnPicture& draw
           {"height", command.size.height},
           {"shadows", shadows},
           {"camera",
-           {{"eye", {camera.eye.x, camera.eye.y, camera.eye.z}},
-            {"target", {camera.target.x, camera.target.y, camera.target.z}},
-            {"up", {camera.up.x, camera.up.y, camera.up.z}},
-            {"fov_y_deg", camera.fov_y_deg}}},
-          {"exposure", drawn.exposure},
+           {{"eye", ToJson(camera.eye)},
+            {"target", ToJson(camera.target)},
+            {"up", ToJson(camera.up)},
+            {"fov_y_deg", JsonNumber(camera.fov_y_deg)}}},
+          {"exposure", JsonNumber(drawn.exposure)},
           {"renderer", drawn.renderer},
           {"draw_ms", drawn.draw_ms}};
 }
 
 // Appends to `shadows`.
 absl::Status Receive(Engine& engine, const std::string& scene_id,
-                     const std::vector<PlannedShadow>& wanted, const Console& console,
-                     const std::stop_token& stop, Shadows& shadows) {
+                     const std::vector<PlannedShadow>& wanted, const DrawRoom& room,
+                     const Console& console, const std::stop_token& stop, Shadows& shadows) {
   ProgressLine progress(console);
+  const auto compute = [&](const PlannedShadow& shadow) {
+    return ComputeShadow(engine, scene_id, shadow.spec, shadow.name, progress, stop);
+  };
+  if (const auto status = CheckWidthsFit(wanted, room, compute); !status.ok()) return status;
   for (const PlannedShadow& shadow : wanted) {
     const double start_ms = NowMs();
-    auto artifact = ComputeShadow(engine, scene_id, shadow.spec, shadow.name, progress, stop);
+    auto artifact = compute(shadow);
     if (!artifact.ok()) return artifact.status();
     progress.Finish(absl::StrFormat("%s: %.1f ms", shadow.name, NowMs() - start_ms));
     NoteWarning(**artifact, shadow.name, console);
@@ -107,17 +114,15 @@ std::vector<PlannedShadow> WantedShadows(const ViewCommand& command, const Shado
   return wanted;
 }
 
-absl::Status Draw(const ViewCommand& command, const Camera& camera, const Scene& scene,
-                  const Shadows& shadows, const Console& console) {
+absl::Status Draw(const ViewCommand& command, Pencil& pencil, const Camera& camera,
+                  const Scene& scene, const Shadows& shadows, const Console& console) {
   const DrawRequest draw{.size = command.size,
                          .camera = camera,
                          .ambient = command.ambient,
                          .exposure = command.exposure,
                          .volume_look = command.volume_look.value_or(VolumeLook{}),
                          .culls_back_faces = command.culls_back_faces};
-  auto pencil = Pencil::Create();
-  if (!pencil.ok()) return pencil.status();
-  const auto drawn = (*pencil)->Draw(scene, shadows, draw, command.out);
+  const auto drawn = pencil.Draw(scene, shadows, draw, command.out);
   if (!drawn.ok()) return drawn.status();
   if (command.json) {
     console.out << ToJson(command, shadows.size(), *drawn).dump(2) << '\n';
@@ -127,21 +132,6 @@ absl::Status Draw(const ViewCommand& command, const Camera& camera, const Scene&
                                    shadows.size() == 1 ? "" : "s", drawn->draw_ms, drawn->renderer);
   }
   return absl::OkStatus();
-}
-
-absl::Status CheckOptionsFit(const ViewCommand& command) {
-  const TechniqueParams& params = command.request.params;
-  const SpecTarget target = InfoOf(params).target;
-  if (command.max_planar_receivers && target != SpecTarget::kReceiver) {
-    return TechniqueConflict("--receivers", params, "soft_texture");
-  }
-  if (command.has_final_settings && target == SpecTarget::kPoints) {
-    return TechniqueConflict("--final-set", params, "--set");
-  }
-  if (command.volume_look && !std::holds_alternative<ShadowVolumeParams>(params)) {
-    return TechniqueConflict(command.volume_option, params, ShadowVolumeParams::kInfo.name);
-  }
-  return CheckOptionsFit(command.request);
 }
 
 }  // namespace
@@ -174,15 +164,17 @@ absl::Status Run(const ViewCommand& asked, const Console& console, std::stop_tok
   if (!revision.ok()) return revision.status();
   const Camera camera =
       command.camera.value_or(ChooseCamera(*imported, request.floor, command.size));
+  const auto pencil = Pencil::Create();
+  if (!pencil.ok()) return pencil.status();
   Shadows shadows;
-  status = Receive(**engine, temporary->id(), WantedShadows(command, *plan, camera), console, stop,
-                   shadows);
+  status = Receive(**engine, temporary->id(), WantedShadows(command, *plan, camera),
+                   (*pencil)->room(), console, stop, shadows);
   if (!status.ok()) return status;
   const auto scene = (*engine)->Snapshot(temporary->id());
   if (!scene.ok()) return scene.status();
 
   for (const std::string& note : plan->notes) console.Note(note);
-  return Draw(command, camera, **scene, shadows, console);
+  return Draw(command, **pencil, camera, **scene, shadows, console);
 }
 
 }  // namespace penumbra

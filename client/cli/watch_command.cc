@@ -17,6 +17,7 @@
 #include "client/cli/run_command.h"
 #include "client/session/remote_engine.h"
 #include "client/session/steady_clock.h"
+#include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
@@ -37,8 +38,9 @@ class UpdatePrinter {
  private:
   bool IsEnough() const {
     return !ended_.ok() || (command_.max_updates > 0 && count_ >= command_.max_updates) ||
-           (command_.until_final && final_.size() >= shadow_count_);
+           (command_.until_final && final_.size() + refused_.size() >= shadow_count_);
   }
+  void Note(const std::string& shadow, const ArtifactUpdate& update);
   bool TakeFirst(const std::string& shadow, const Artifact& artifact);
   std::string Line(const ArtifactSpec& spec, const ArtifactUpdate& update,
                    const UpdateTraffic& traffic, bool comes_first) const;
@@ -50,10 +52,18 @@ class UpdatePrinter {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   uint64_t count_ = 0;
-  std::set<std::string> final_;             // keys of the shadows that were final once
-  std::map<std::string, Revision> newest_;  // computed, of each shadow, by key
+  std::set<std::string> final_;                  // keys of the shadows that were final once
+  std::map<std::string, absl::Status> refused_;  // of others, for good
+  std::map<std::string, Revision> newest_;       // computed, of each shadow, by key
   absl::Status ended_;
 };
+
+// Whether only another request can help: not time, and not somebody's edit that makes an object or
+// an OpenGL device of what was missing.
+bool IsRefusal(const absl::Status& status) {
+  return absl::IsInvalidArgument(status) ||
+         (absl::IsResourceExhausted(status) && ErrorReason(status).starts_with("QUOTA_"));
+}
 
 // Whether it is the first of a revision that is heard of the shadow, whichever pass that is.
 bool UpdatePrinter::TakeFirst(const std::string& shadow, const Artifact& artifact) {
@@ -113,8 +123,14 @@ void UpdatePrinter::Print(const ArtifactSpec& spec, const ArtifactUpdate& update
   const bool comes_first = update.artifact && TakeFirst(shadow, *update.artifact);
   console_.out << Line(spec, update, traffic, comes_first) << std::endl;
   ++count_;
-  if (update.artifact && update.artifact->header.is_final) final_.insert(shadow);
+  Note(shadow, update);
   changed_.notify_all();
+}
+
+void UpdatePrinter::Note(const std::string& shadow, const ArtifactUpdate& update) {
+  if (update.artifact) refused_.erase(shadow);
+  if (update.artifact && update.artifact->header.is_final) final_.insert(shadow);
+  if (IsRefusal(update.status) && !final_.contains(shadow)) refused_[shadow] = update.status;
 }
 
 absl::Status UpdatePrinter::Wait(std::stop_token stop) {
@@ -131,6 +147,8 @@ absl::Status UpdatePrinter::Wait(std::stop_token stop) {
   } else {
     changed_.wait(lock, stop, is_enough);
   }
+  const bool is_refused = command_.until_final && ended_.ok() && !refused_.empty();
+  if (is_refused && IsEnough()) return refused_.begin()->second;
   return ended_;
 }
 
@@ -195,12 +213,17 @@ ArtifactSpec SpecOf(const WatchCommand& command, const std::string& light_id,
   return spec;
 }
 
-}  // namespace
-
-absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
+absl::Status CheckOptionsFit(const WatchCommand& command) {
   if (command.picture && InfoOf(command.params).target != SpecTarget::kPoints) {
     return TechniqueConflict("--picture", command.params, "coherent_raytrace");
   }
+  return CheckLightsFit(command.light_ids, command.params);
+}
+
+}  // namespace
+
+absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
+  if (const auto status = CheckOptionsFit(command); !status.ok()) return status;
   const auto engine = RemoteEngine::Connect({.address = command.engine.server});
   if (!engine.ok()) return engine.status();
   const auto scene = SceneOf(**engine, command.scene_id);

@@ -5,7 +5,7 @@
 #include <span>
 #include <variant>
 
-#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "client/display/surface_glsl.h"
 
 namespace penumbra {
@@ -73,9 +73,10 @@ absl::Status WordPool::Upload(gl::Context& context, ShadowWords words,
                               std::vector<LightShadow> shadows) {
   const auto most = static_cast<size_t>(context.info().max_storage_bytes) / sizeof(uint32_t);
   if (words.words.size() > most) {
-    return absl::ResourceExhaustedError(absl::StrCat("artifacts: found ", words.words.size(),
-                                                     " words of layers and pixels, need at most ",
-                                                     most, " to draw on this device"));
+    return absl::ResourceExhaustedError(absl::StrFormat(
+        "artifacts: found %.0f MB of maps and pixels, need at most %.0f MB to draw on "
+        "this device: a lower resolution of the technique, or fewer lights",
+        4e-6 * static_cast<double>(words.words.size()), 4e-6 * static_cast<double>(most)));
   }
   auto shadow_buffer = BufferOf(context, std::move(shadows));
   auto faces = BufferOf(context, std::move(words.faces));

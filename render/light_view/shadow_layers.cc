@@ -9,14 +9,11 @@
 #include <limits>
 #include <span>
 
+#include "render/light_view/ray_block.h"
 #include "render/math/parallel_for.h"
 
 namespace penumbra {
 namespace {
-
-// Pixels along a side of a packet of rays.
-constexpr uint32_t kBlock = 4;
-constexpr size_t kPacket = size_t{kBlock} * kBlock;
 
 // The part of the depth, from infinitely far of the view's depth range, within which two surfaces
 // are one: ten times what two depth sources differ by where a surface is steep.
@@ -27,36 +24,6 @@ constexpr double kStep = 0x1p-19;
 constexpr int kMostSteps = 256;
 
 uint32_t BlocksOf(uint32_t pixels) { return (pixels + kBlock - 1) / kBlock; }
-
-using Depths = std::array<double, kPacket>;
-
-// −1 where a ray is wanted, otherwise 0; aligned as Embree asks.
-struct Lanes {
-  alignas(64) std::array<int, kPacket> wanted{};
-
-  int& operator[](size_t k) { return wanted[k]; }
-  int operator[](size_t k) const { return wanted[k]; }
-  bool none() const {
-    return std::ranges::all_of(wanted, [](int one) { return one == 0; });
-  }
-};
-
-struct Met {
-  std::array<float, kPacket> depths;
-  std::array<uint32_t, kPacket> parts;
-
-  bool HasHit(size_t k) const { return parts[k] != kNoBlocker; }
-  uint32_t PartOr(uint32_t part, size_t k) const { return HasHit(k) ? parts[k] : part; }
-  float NotBefore(float depth, size_t k) const {
-    return HasHit(k) ? std::max(depth, depths[k]) : depth;
-  }
-};
-
-// Where rays start from what is nearest: just before it, just behind it, and behind all there is.
-struct Starts {
-  Lanes lanes;
-  Depths before{}, behind{}, end{}, same{};  // the last: within which two surfaces are one
-};
 
 enum class Way : int8_t { kFromLight = 1, kTowardsLight = -1 };
 
@@ -100,6 +67,15 @@ class ShadowLayerTracer::Rays {
     return Find(lanes, from, way, [](const Part& part, const auto& faces_light) {
       return part.receives && (part.solid_sign == 0 || faces_light());
     });
+  }
+  // The last one that is no further off than what was met, and may be that.
+  Met FindReceiverAt(const Met& met, Lanes lanes, const Depths& same) {
+    Depths from{};
+    for (size_t k = 0; k < kPacket; ++k) {
+      if (!met.HasHit(k)) lanes[k] = 0;
+      if (lanes[k] != 0) from[k] = met.depths[k] + 0.5 * same[k];
+    }
+    return FindReceiver(lanes, from, Way::kTowardsLight);
   }
 
  private:
@@ -250,6 +226,7 @@ void ShadowLayerTracer::TraceBlock(const DepthMap& nearest, Rays& rays, Blockers
   }
   const Met near_blocker = rays.FindCaster(shadowed, before_first, Way::kTowardsLight);
   const Met far_blocker = rays.FindCaster(shadowed, before_last, Way::kTowardsLight);
+  const Met at_blocker = rays.FindReceiverAt(far_blocker, shadowed, starts.same);
   for (size_t k = 0; k < kPacket; ++k) {
     if (shadowed[k] == 0) continue;
     const size_t pixel = rays.PixelOf(k);
@@ -260,6 +237,7 @@ void ShadowLayerTracer::TraceBlock(const DepthMap& nearest, Rays& rays, Blockers
     layers.last_receiver[pixel] = last.depths[k];
     layers.before_first[pixel] = near_blocker.NotBefore(nearest.depths[pixel], k);
     layers.before_last[pixel] = far_blocker.NotBefore(nearest.depths[pixel], k);
+    layers.receiver_at_last[pixel] = at_blocker.NotBefore(nearest.depths[pixel], k);
     layers.first_blocker[pixel] = near_blocker.PartOr(caster.parts[k], k);
     layers.last_blocker[pixel] = far_blocker.PartOr(caster.parts[k], k);
   }
@@ -274,6 +252,7 @@ absl::StatusOr<ShadowLayers> ShadowLayerTracer::Trace(const DepthMap& nearest,
                       .last_receiver = std::vector<float>(pixels, kNoDepth),
                       .before_first = std::vector<float>(pixels, kNoDepth),
                       .before_last = std::vector<float>(pixels, kNoDepth),
+                      .receiver_at_last = std::vector<float>(pixels, kNoDepth),
                       .first_blocker = std::vector<uint32_t>(pixels, kNoBlocker),
                       .last_blocker = std::vector<uint32_t>(pixels, kNoBlocker)};
   Blockers blockers(parts_, pixels);
@@ -292,6 +271,7 @@ absl::StatusOr<ShadowLayers> ShadowLayerTracer::Trace(const DepthMap& nearest,
     if (!blockers.IsBlocker(i)) continue;
     layers.blocked[i] = 1;
     layers.before_first[i] = layers.before_last[i] = nearest.depths[i];
+    layers.receiver_at_last[i] = nearest.depths[i];
     layers.first_blocker[i] = layers.last_blocker[i] = blockers.PartAt(i);
   }
   return layers;

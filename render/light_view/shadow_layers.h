@@ -29,6 +29,9 @@ struct ShadowLayers {
   // The last surface of what casts before each of them, but for what all but touches it; what is
   // nearest, where there is no other.
   std::vector<float> before_first, before_last;
+  // The last surface that receives no further off than `before_last`, itself if it does; what is
+  // nearest, where there is no other.
+  std::vector<float> receiver_at_last;
   // Numbers of the instances that these are of; kNoBlocker where nothing is blocked.
   std::vector<uint32_t> first_blocker, last_blocker;
 };

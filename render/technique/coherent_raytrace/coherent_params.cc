@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
+#include "render/math/float_text.h"
 #include "render/scene/field_error.h"
 #include "render/scene/light_sample.h"
 #include "render/scene/scene_limits.h"
@@ -65,16 +65,16 @@ std::map<std::string, std::string> EffectiveParameters(const CoherentRaytracePar
       {"backend", by_images ? "depth_images" : "triangles"},
       {"radiance", TextOf(params.radiance)},
       {"coherence", TextOf(params.coherence)},
-      {"prediction_distance", absl::StrFormat("%.9g", prediction_distance)}};
+      {"prediction_distance", FloatText(prediction_distance)}};
   if (params.radiance) text["output"] = NameOf(params.output);
   if (params.shadow_bias > 0 || !by_images) {
-    text["shadow_bias"] = absl::StrFormat("%.9g", shadow_bias);
+    text["shadow_bias"] = FloatText(shadow_bias);
   }
   if (by_images) {
     text["resolution"] = absl::StrCat(params.resolution);
     text["whole_light"] = TextOf(params.whole_light);
     text["ray_accelerations"] = TextOf(params.ray_accelerations);
-    if (params.gap_bias > 0) text["gap_bias"] = absl::StrFormat("%.9g", params.gap_bias);
+    if (params.gap_bias > 0) text["gap_bias"] = FloatText(params.gap_bias);
   }
   return text;
 }

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "render/light_view/auto_depth_source.h"
 #include "render/light_view/make_depth_source.h"
 #include "render/light_view/shadowless_surfaces.h"
+#include "render/math/float_text.h"
 #include "render/scene/field_error.h"
 #include "render/technique/kept_bvhs.h"
 #include "render/technique/layered_attenuation/ldi_passes.h"
@@ -49,7 +49,7 @@ ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec, const Ldi
       {"samples", absl::StrCat(passes.sample_count())},
       {"seed", absl::StrCat(params.seed)},
       {"resolution", absl::StrCat(params.resolution)},
-      {"tolerance", absl::StrFormat("%.9g", passes.tolerance())},
+      {"tolerance", FloatText(passes.tolerance())},
       {"key_views", params.key_views ? "true" : "false"},
       {"max_layers", absl::StrCat(params.max_layers)},
   };

@@ -57,6 +57,7 @@ class EdgeMap {
   // Flags that are set, of those between two samples of which one sees something.
   double fraction() const;
   size_t flag_count() const;
+  size_t place_count() const { return place_count_; }
 
   uint32_t words() const { return words_; }
   uint64_t* RightWords(uint32_t y) { return &right_[size_t{y} * words_]; }

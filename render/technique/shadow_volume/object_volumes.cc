@@ -59,7 +59,8 @@ absl::StatusOr<ObjectVolumes::Kept> ObjectVolumes::MakeFromMap(const Instance& i
   auto built = ReconstructVolume(*std::move(faces), options_, making.stop);
   if (!built.ok()) return built.status();
   return Kept{.volume = std::make_shared<ShadowVolume>(std::move(built->volume)),
-              .edge_fraction = built->edge_fraction};
+              .edge_fraction = built->edge_fraction,
+              .places = built->places};
 }
 
 absl::StatusOr<ObjectVolumes::Kept> ObjectVolumes::Make(const Instance& instance,
@@ -123,14 +124,14 @@ absl::StatusOr<ShadowVolumeMesh> ObjectVolumes::Update(const Scene& scene, const
 
 ShadowVolumeMesh ObjectVolumes::MeshOfKept(const AreaLight& light) const {
   ShadowVolumeMesh mesh{.light = light, .bias_px = options_.bias_px, .volumes = {}};
-  double edges = 0, samples = 0;
+  double edges = 0, places = 0;
   for (const auto& [id, kept] : kept_) {
     if (kept.volume == nullptr) continue;
     mesh.volumes.push_back(kept.volume);
-    const auto count = static_cast<double>(kept.volume->sample_count());
-    edges += kept.edge_fraction * count, samples += count;
+    const auto count = static_cast<double>(kept.places);
+    edges += kept.edge_fraction * count, places += count;
   }
-  if (samples > 0) mesh.edge_fraction = static_cast<float>(edges / samples);
+  if (places > 0) mesh.edge_fraction = static_cast<float>(edges / places);
   return mesh;
 }
 

@@ -57,6 +57,7 @@ class ObjectVolumes {
     // Null: the light sees nothing of it. Left as it is once a mesh has it.
     std::shared_ptr<ShadowVolume> volume{};
     double edge_fraction = 0;
+    size_t places = 0;  // that it is a fraction of
   };
 
   struct Making;

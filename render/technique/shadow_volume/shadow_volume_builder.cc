@@ -17,6 +17,7 @@ absl::StatusOr<ReconstructedVolume> ReconstructVolume(std::vector<VolumeFace> fa
                                                       std::span<const std::vector<uint32_t>> ids) {
   ReconstructedVolume result;
   VolumeTriangles mesh;
+  size_t flags = 0, places = 0;
   for (size_t i = 0; i < faces.size(); ++i) {
     if (stop.stop_requested()) return absl::CancelledError("stopped");
     const VolumeGrid grid(faces[i].map, faces[i].border, options.bias_px);
@@ -29,11 +30,13 @@ absl::StatusOr<ReconstructedVolume> ReconstructVolume(std::vector<VolumeFace> fa
     } else {
       AddTriangles(grid, edges, options.reconstruction, mesh);
     }
-    result.edge_fraction += edges.fraction() / static_cast<double>(faces.size());
+    flags += edges.flag_count(), places += edges.place_count();
     const size_t triangles = mesh.indices.size() / 3 + (mesh.is_cut_off ? kMaxVolumeTriangles : 0);
     const auto status = CheckVolumeSize(triangles, mesh.vertices.size());
     if (!status.ok()) return status;
   }
+  result.places = places;
+  if (places > 0) result.edge_fraction = static_cast<double>(flags) / static_cast<double>(places);
   result.volume.kind = options.vectorizes ? VolumeKind::kVectorized : VolumeKind::kReconstructed;
   result.volume.faces = std::move(faces);
   result.volume.vertices = std::move(mesh.vertices);

@@ -19,10 +19,12 @@
 
 namespace penumbra {
 
-// A volume without a name, and how many of the places for edges have one.
+// A volume without a name, and how many of the places for edges have one: of all between two
+// samples of which one sees something, on whichever map they are.
 struct ReconstructedVolume {
   ShadowVolume volume;
   double edge_fraction = 0;
+  size_t places = 0;
 };
 
 // From maps of VolumeViews, the borders of which are joined.

@@ -12,6 +12,8 @@
 #include "render/artifact/light_extent.h"
 #include "render/light_view/make_depth_source.h"
 #include "render/light_view/ray_depth_source.h"
+#include "render/math/float_text.h"
+#include "render/scene/field_error.h"
 #include "render/technique/kept_bvhs.h"
 #include "render/technique/map_passes.h"
 #include "render/technique/shadow_volume/object_volumes.h"
@@ -137,14 +139,12 @@ ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec) {
   ArtifactHeader header = HeaderOf(scene, spec);
   header.samples_requested = 1;
   header.light_samples = {MiddleOf(*scene.FindLight(spec.light_id))};
-  const auto threshold = [](float value) {
-    return value > 0 ? absl::StrFormat("%.9g", value) : "by the map";
-  };
+  const auto threshold = [](float value) { return value > 0 ? FloatText(value) : "by the map"; };
   const ShadowVolumeOptions options = OptionsOf(params);
   const EdgeThresholds thresholds =
       options.edges.thresholds.value_or(EdgeThresholds{.low = 0, .high = 0});
   header.parameters = {
-      {"bias", absl::StrFormat("%.9g", params.bias)},
+      {"bias", FloatText(params.bias)},
       {"low_threshold", threshold(thresholds.low)},
       {"high_threshold", threshold(thresholds.high)},
       {"surface", std::string(NameOf(params.surface))},
@@ -169,11 +169,22 @@ void SetPass(const ShadowVolumeMesh& mesh, uint32_t resolution, const std::strin
       100 * mesh.edge_fraction);
 }
 
+// Of two that are given; one alone decides on the other.
+absl::Status CheckOrder(const ShadowVolumeParams& params) {
+  if (params.high_threshold == 0 || !(params.low_threshold > params.high_threshold)) {
+    return absl::OkStatus();
+  }
+  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "shadow_volume.low_threshold",
+                    absl::StrCat("found ", params.low_threshold, " above high_threshold ",
+                                 params.high_threshold, ", need at most that"));
+}
+
 }  // namespace
 
 absl::Status ShadowVolumes::Check(const Scene& scene, const ArtifactSpec& spec) const {
   const auto status = CheckShadowVolumeOptions(OptionsOf(ParamsOf(spec)));
   if (!status.ok()) return Within("shadow_volume.", status);
+  if (const auto order = CheckOrder(ParamsOf(spec)); !order.ok()) return order;
   if (const auto target = CheckTarget(spec); !target.ok()) return target;
   if (const auto budget = CheckTimeBudget(spec); !budget.ok()) return budget;
   return CheckOneLight(scene, spec.light_id);

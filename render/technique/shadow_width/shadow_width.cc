@@ -16,6 +16,7 @@
 #include "render/light_view/shadow_layers.h"
 #include "render/light_view/shadowless_surfaces.h"
 #include "render/light_view/view_fit.h"
+#include "render/math/float_text.h"
 #include "render/scene/field_error.h"
 #include "render/technique/kept_bvhs.h"
 #include "render/technique/map_passes.h"
@@ -175,8 +176,8 @@ ArtifactHeader HeaderFor(const Scene& scene, const ArtifactSpec& spec) {
       {"distance", std::string(NameOf(params.distance))},
       {"layers", absl::StrCat(params.layers)},
       {"blocker_depth", std::string(NameOf(params.blocker_depth))},
-      {"c_scale", params.c_scale > 0 ? absl::StrFormat("%.9g", params.c_scale) : "by the light"},
-      {"c_bias", absl::StrFormat("%.9g", params.c_bias)},
+      {"c_scale", params.c_scale > 0 ? FloatText(params.c_scale) : "by the light"},
+      {"c_bias", FloatText(params.c_bias)},
   };
   return header;
 }

@@ -14,10 +14,11 @@ constexpr double kSameReceiver = 0x1p-10;
 
 // Texels' widths by which the far side of a blocker is taken for nearer than it is, at most to its
 // middle: what stands on a receiver touches it there, and a look-up leaves a surface out of the
-// shadow of what is less than the spread of its plane before it.
+// shadow of what is less than the spread of its plane before it. It has a near side of its own,
+// which would be in its shadow if its far side were taken for nearer than that.
 constexpr double kTouching = 6.0;
 
-// `depth`, less so much; `near_side` is where what is there begins.
+// `depth`, less so much; `near_side` is what receives last before it, or itself.
 float BeforeTouching(float depth, float near_side, const LightView& view) {
   const double pixel = (view.from_infinity ? 1 : double{depth}) / view.pixels_per_slope().x;
   const double thickness = std::max(0.0, double{depth} - double{near_side});
@@ -72,7 +73,7 @@ class TwoLayers {
         const size_t i = At(x, y);
         if (!HasTwo(layers_, view_, i)) continue;
         has_two_[i] = 1;
-        far.depths[i] = BeforeTouching(layers_.before_last[i], layers_.first_receiver[i], view_);
+        far.depths[i] = BeforeTouching(layers_.before_last[i], layers_.receiver_at_last[i], view_);
         far.widths[i] = face_.near.widths[i];
         pairs[{layers_.first_blocker[i], layers_.last_blocker[i]}].Add(x, y);
       }
@@ -145,15 +146,16 @@ absl::StatusOr<ShadowWidthFace> MakeWidthFace(const DepthMap& nearest, const Sha
   for (float& width : *widths) width *= pixel;
   ShadowWidthFace face{.view = view, .window = view.window};
   face.near = {.depths = std::vector<float>(texels, kNoDepth), .widths = *std::move(widths)};
-  const auto& far_sides = params.layers > 1 ? layers.before_first : layers.before_last;
+  const bool has_two = params.layers > 1;
+  const auto& far_sides = has_two ? layers.before_first : layers.before_last;
+  const auto& near_sides = has_two ? nearest.depths : layers.receiver_at_last;
   for (size_t i = 0; i < texels; ++i) {
     if (layers.blocked[i] == 0) continue;
-    const float near_side = nearest.depths[i];
     face.near.depths[i] = params.blocker_depth == BlockerDepth::kNearest
-                              ? near_side
-                              : BeforeTouching(far_sides[i], near_side, view);
+                              ? nearest.depths[i]
+                              : BeforeTouching(far_sides[i], near_sides[i], view);
   }
-  if (params.layers > 1) {
+  if (has_two) {
     const auto status = TwoLayers(face, layers, find_distances).Add();
     if (!status.ok()) return status;
   }

@@ -11,6 +11,7 @@
 #include "absl/functional/function_ref.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "render/math/float_text.h"
 #include "render/scene/field_error.h"
 #include "render/technique/soft_texture/params_check.h"
 #include "render/technique/soft_texture/texture_passes.h"
@@ -98,7 +99,7 @@ class Sum {
       header.parameters["silhouette_reuse_error"] = absl::StrFormat("%.3g", borrowing_error_);
     }
     if (IsUnorm(texture.radiance->format)) {
-      header.parameters["output_scale"] = absl::StrFormat("%.9g", texture.radiance->scale);
+      header.parameters["output_scale"] = FloatText(texture.radiance->scale);
     }
     return std::move(total_);
   }

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
+#include "render/math/float_text.h"
 #include "render/scene/field_error.h"
 #include "render/scene/scene_limits.h"
 #include "render/technique/soft_texture/all_lights.h"
@@ -18,7 +18,9 @@ absl::Status RangeError(std::string_view field, const std::string& found, std::s
                     absl::StrCat("found ", found, ", need ", std::string(need)));
 }
 
-std::string Text(Vec3 rgb) { return absl::StrFormat("%.9g %.9g %.9g", rgb.x, rgb.y, rgb.z); }
+std::string Text(Vec3 rgb) {
+  return absl::StrCat(FloatText(rgb.x), " ", FloatText(rgb.y), " ", FloatText(rgb.z));
+}
 
 template <size_t kCount>
 std::string NameOf(const std::array<std::string_view, kCount>& names, auto value) {
@@ -92,7 +94,7 @@ std::map<std::string, std::string> EffectiveParameters(const SoftTextureParams& 
     // OpenGL adds up the samples whatever is asked for.
     const bool by_gl = params.method == VisibilityMethod::kGl;
     text["shading"] = NameOf(kShadingNames, by_gl ? Shading::kSampleSum : params.shading);
-    text["form_factor_error"] = absl::StrFormat("%.9g", params.form_factor_error);
+    text["form_factor_error"] = FloatText(params.form_factor_error);
     text["ambient"] = Text(params.ambient);
     text["output"] = NameOf(kRadianceFormatNames, params.output);
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "render/math/float_text.h"
 #include "render/math/parallel_for.h"
 #include "render/technique/passes.h"
 #include "render/technique/soft_texture/params_check.h"
@@ -221,7 +222,7 @@ void TexturePasses::Shade(SoftShadowTexture& texture) {
   });
   header_.timings_ms["shading"] = shading.ElapsedMs();
   if (IsUnorm(texture.radiance->format)) {
-    header_.parameters["output_scale"] = absl::StrFormat("%.9g", texture.radiance->scale);
+    header_.parameters["output_scale"] = FloatText(texture.radiance->scale);
   }
 }
 

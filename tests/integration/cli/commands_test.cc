@@ -193,6 +193,18 @@ TEST_F(CommandsTest, AWatchThatSeesNoEndInTimeSaysSo) {
   EXPECT_THAT(watched.err, HasSubstr("found 0 of 1 shadows with all their samples after 0.3 s"));
 }
 
+TEST_F(CommandsTest, AWatchEndsWhenEveryShadowIsRefused) {
+  const std::string address = StartServer();
+  // All around it there is something to see, which takes six maps.
+  ASSERT_EQ(Run(PushWords(address, "-0.1 0.5 -0.1 0.2 0 0 0 0 0.2 5")).exit_status, 0);
+  const Finished watched =
+      Run({"watch", "--server", address, "--scene", "studio", "--technique", "shadow_volume",
+           "--set", "resolution=5000", "--until-final", "--seconds", "600"});
+  EXPECT_EQ(watched.exit_status, 1);
+  EXPECT_THAT(watched.err, HasSubstr("penumbra: shadow_volume.resolution: found"));
+  EXPECT_EQ(std::count(watched.err.begin(), watched.err.end(), '\n'), 1) << watched.err;
+}
+
 TEST_F(CommandsTest, PushSaysThatNothingReceives) {
   const std::string address = StartServer();
   const Finished push = Run({"push", scene_, "--server", address, "--scene", "studio"});

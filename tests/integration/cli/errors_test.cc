@@ -99,6 +99,14 @@ TEST_F(ErrorsTest, OptionsOfAnotherTechnique) {
   ExpectError(View({"coherent_raytrace", "--texture-size", "64"}), "--texture-size: found the", 2);
   ExpectError(View({layers, "--receivers", "2"}), "--receivers: found the technique", 2);
   ExpectError(View({"coherent_raytrace", "--final", "--final-set", "seed=2"}), "need --set", 2);
+  ExpectError(View({"shadow_volume", "--volume-opacity", "0.3"}),
+              "--volume-opacity: found with --volume-shading ambient", 2);
+  ExpectError(View({layers, "--final", "--cull-back-faces"}),
+              "--cull-back-faces: found with --final", 2);
+  ExpectError(Bake({"--technique", layers, "--light", "*"}), "--light: found \"*\"", 2);
+  ExpectError(
+      {"watch", "--server", "127.0.0.1:1", "--scene", "s", "--technique", layers, "--light", "*"},
+      "--light: found \"*\"", 2);
   ExpectError({"demo", scene_, "--server", "127.0.0.1:1", "--out", folder_ / "demo", "--technique",
                "coherent_raytrace"},
               "--technique: found \"coherent_raytrace\"", 2);

@@ -75,6 +75,17 @@ TEST(BakeJsonTest, SamplesKeepEveryBit) {
   EXPECT_FALSE(json["light_samples"][1].contains("position"));
 }
 
+// Each float in the fewest digits that mean it.
+TEST(BakeJsonTest, NumbersAreShort) {
+  const Artifact artifact = SmallArtifact();
+  const std::string text = BakeJson(
+      {.artifact = artifact, .scene = "dir/table.glb", .name = "floor.lamp", .wall_ms = 1.5}, 0.7f);
+  for (const char* number : {"0.1,", "0.3\n", "\"radius\": 0.1", "\"exposure\": 0.7\n"}) {
+    EXPECT_NE(text.find(number), std::string::npos) << number << " in " << text;
+  }
+  EXPECT_EQ(text.find("0.10000"), std::string::npos) << text;
+}
+
 TEST(LightJsonTest, NamesEveryField) {
   const auto type_of = [](LightShape shape) {
     return LightToJson({.id = "l", .shape = std::move(shape)});

@@ -67,6 +67,53 @@ TEST(FittingOptions, EachOptionIsOfTheTechniquesThatHaveAUseForIt) {
   }
 }
 
+void ExpectConflict(const absl::Status& status, const std::string& option,
+                    const std::string& other) {
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << option << " " << other;
+  EXPECT_EQ(ErrorReason(status), "CONFLICT");
+  EXPECT_EQ(ErrorFieldPath(status), option);
+  EXPECT_NE(status.message().find(other), std::string::npos) << status;
+}
+
+TEST(FittingOptions, TracedPicturesHaveAllFaces) {
+  ViewCommand command;
+  command.culls_back_faces = true;
+  EXPECT_TRUE(CheckOptionsFit(command).ok());
+  command.final = true;
+  ExpectConflict(CheckOptionsFit(command), "--cull-back-faces", "--final");
+  command.final = false;
+  command.request.params = CoherentRaytraceParams{};
+  ExpectConflict(CheckOptionsFit(command), "--cull-back-faces", "--technique coherent_raytrace");
+}
+
+TEST(FittingOptions, OnlyCompositedShadowsHaveAnOpacity) {
+  ViewCommand command;
+  command.request.params = ShadowVolumeParams{};
+  command.volume_look = VolumeLook{};
+  command.has_volume_opacity = true;
+  ExpectConflict(CheckOptionsFit(command), "--volume-opacity", "--volume-shading ambient");
+  command.volume_look->shading = VolumeShading::kBlack;
+  ExpectConflict(CheckOptionsFit(command), "--volume-opacity", "--volume-shading black");
+  command.volume_look->shading = VolumeShading::kComposited;
+  EXPECT_TRUE(CheckOptionsFit(command).ok());
+}
+
+TEST(FittingOptions, OnlyTexturesAddUpLights) {
+  for (const TechniqueParams& params : AllTechniques()) {
+    ShadowRequest request;
+    request.params = params;
+    request.light_ids = {"*"};
+    EXPECT_TRUE(CheckOptionsFit(request).ok()) << "one of each";
+    request.adds_up_lights = true;
+    if (std::holds_alternative<SoftTextureParams>(params)) {
+      EXPECT_TRUE(CheckOptionsFit(request).ok());
+    } else {
+      ExpectConflict(CheckOptionsFit(request), "--light", "one light at a time");
+      ExpectConflict(CheckLightsFit({"*"}, params), "--light", std::string(InfoOf(params).name));
+    }
+  }
+}
+
 TEST(FittingOptions, ALightmapHasTexels) {
   ShadowRequest request;
   request.params = CoherentRaytraceParams{};

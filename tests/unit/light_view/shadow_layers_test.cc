@@ -120,6 +120,19 @@ TEST(ShadowLayersTest, SurfacesBetweenAreToldApart) {
   EXPECT_NEAR(seen.layers.before_last[at], 3.55, 1e-4);
 }
 
+// What ends on a receiver has no far side that a ray meets, and its near side is lit.
+TEST(ShadowLayersTest, WhatReceivesAtTheLastBlockerIsTold) {
+  const Instance stands = Box("stand", {0.5f, 0.3f, 0}, {0.6f, 0.3f, 0.6f});
+  const Seen touching = Down({kFloor, stands, kBox});
+  const size_t at = touching.At(kOnBox);
+  EXPECT_NEAR(touching.layers.before_last[at], 3.4, 1e-4);
+  EXPECT_NEAR(touching.layers.receiver_at_last[at], 3.4, 1e-4);
+  const Seen apart = Down({kFloor, Box("table", {0.5f, 0.5f, 0}, {0.6f, 0.05f, 0.6f}), kBox});
+  EXPECT_NEAR(apart.layers.receiver_at_last[apart.At(kOnBox)], 3.45, 1e-4);
+  const Seen alone = Down({kFloor, kBox});
+  EXPECT_NEAR(alone.layers.receiver_at_last[alone.At(kOnBox)], 2.9, 1e-4);
+}
+
 TEST(ShadowLayersTest, FlagsAreObeyed) {
   Instance only_casts = kBox, glass = Sheet("glass", {0.5f, 0.5f, 0}, {0.6f, 1, 0.6f});
   only_casts.receives = false;

@@ -228,6 +228,17 @@ TEST(ReconstructVolumeTest, BadMapsHaveFiniteVolumes) {
   }
 }
 
+// Of six maps over a plane some see nothing, and count for nothing.
+TEST_F(ShadowVolumeBuilderTest, TheFractionIsOfWhatIsSeen) {
+  Instance plane{.id = "plane", .mesh = MeshOf(testing::UnitSquareGeometry())};
+  plane.world_from_mesh = Affine(Vec3(3, 0.7f, 0.1f), Vec3(0, 1, 0), Vec3(0.2f, 0.5f, 3), Vec3(0));
+  ShadowVolumeOptions options{.resolution = 32};
+  options.edges.thresholds = EdgeThresholds{.low = 0, .high = 0};
+  const auto mesh = Build(*SceneOf({plane}), PointLightAt(Vec3(0, 0.3f, 0)), options);
+  ASSERT_EQ(mesh.volumes[0]->faces.size(), 6u);
+  EXPECT_GT(mesh.edge_fraction, 0.95f);
+}
+
 TEST_F(ShadowVolumeBuilderTest, ThresholdsThatTakeAllAreStillRight) {
   const auto scene = Room();
   const Vec3 place(5, 6, 4);

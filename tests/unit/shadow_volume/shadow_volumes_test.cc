@@ -87,12 +87,17 @@ TEST(ShadowVolumesTest, ParametersAreChecked) {
       {{.low_threshold = NAN}, "shadow_volume.low_threshold"},
       {{.high_threshold = INFINITY}, "shadow_volume.low_threshold"},
       {{.low_threshold = 1, .high_threshold = 2e6f}, "shadow_volume.high_threshold"},
+      {{.low_threshold = 5, .high_threshold = 1}, "shadow_volume.low_threshold"},
   };
   for (const auto& [params, field] : wrong) {
     const auto status = Compute(*scene, params).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << field;
     EXPECT_EQ(ErrorFieldPath(status), field) << status;
   }
+  const auto order = Compute(*scene, {.low_threshold = 5, .high_threshold = 1}).status();
+  EXPECT_NE(order.message().find("found 5 above high_threshold 1, need at most that"),
+            std::string::npos)
+      << order;
   tbb::task_arena arena(1);
   ComputeContext context{.arena = arena};
   const auto unknown = ShadowVolumes().Compute(*scene, {ShadowVolumeParams{}, "sun"}, context);
@@ -187,6 +192,8 @@ TEST(ShadowVolumesTest, EitherThresholdMayBeGiven) {
   const auto low = Compute(*scene, {.low_threshold = 3}).value();
   const auto high = Compute(*scene, {.high_threshold = 12}).value();
   EXPECT_EQ(low.header.parameters.at("high_threshold"), "12");
+  const auto tenth = Compute(*scene, {.high_threshold = 0.1f}).value().header.parameters;
+  EXPECT_EQ(tenth.at("high_threshold"), "0.1");
   EXPECT_EQ(high.header.parameters.at("low_threshold"), "3");
   EXPECT_EQ(MeshIn(low).volumes[0]->indices, MeshIn(high).volumes[0]->indices);
 }

@@ -135,17 +135,6 @@ TEST(ShadowWidthTest, ATableAboveAFloorHasShadowsOfItsOwn) {
   EXPECT_EQ(OnFloor(*two, 1.8f, 0), 1.0f);
 }
 
-// What stands on the floor: its far side touches it.
-TEST(ShadowWidthTest, ContactIsDark) {
-  for (const uint32_t layers : {1u, 2u}) {
-    SceneDelta delta{
-        .upsert_instances = {Ground(), Box("box", {0.8f, 0.5f, 0}, Vec3(0.2f, 0.5f, 0.2f))},
-        .upsert_lights = {Lamp(0.4f)}};
-    const auto artifact = Compute(delta, {.layers = layers});
-    for (float x = 1.01f; x < 1.1f; x += 0.01f) EXPECT_LT(OnFloor(*artifact, x, 0), 0.3f) << x;
-  }
-}
-
 TEST(ShadowWidthTest, WithTheNearestDepthShadowsAreSofter) {
   const SceneDelta delta{
       .upsert_instances = {Ground(), Box("box", {0, 0.6f, 0}, Vec3(0.4f, 0.5f, 0.4f))},
