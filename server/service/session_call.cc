@@ -4,6 +4,7 @@
 
 #include "proto/convert/status_convert.h"
 #include "render/math/hand_over.h"
+#include "server/service/call_record.h"
 #include "server/service/penumbra_service.h"
 
 namespace penumbra {
@@ -20,7 +21,8 @@ struct Gate {
 // Carries a session's bytes: one read and one write at a time.
 class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  explicit SessionReactor(const ServiceParts& parts) : gate_(std::make_shared<Gate>()) {
+  explicit SessionReactor(const ServiceParts& parts)
+      : record_(parts.sessions.counters, parts.logger, "Session"), gate_(std::make_shared<Gate>()) {
     gate_->reactor = this;
     session_ = Session::Create(parts.sessions, [gate = gate_] {
       std::lock_guard lock(gate->mutex);
@@ -81,15 +83,18 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
     if (output.message) {
       is_writing_ = true;
       response_ = *std::move(output.message);
+      session_->record().CountSent(response_.Length());
       callbacks_.Give();
       StartWrite(&response_);
     } else if (output.end) {
       is_finished_ = true;
+      record_.End(*output.end);
       callbacks_.Give();
       Finish(ToGrpcStatus(*output.end));
     }
   }
 
+  CallRecord record_;
   HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   const std::shared_ptr<Gate> gate_;
   std::shared_ptr<Session> session_;

@@ -27,6 +27,7 @@
 #include "server/scene_store/scene_store.h"
 #include "server/session/artifact_stream.h"
 #include "server/session/scene_mirror.h"
+#include "server/session/session_ledger.h"
 #include "server/session/subscription_feed.h"
 
 namespace penumbra {
@@ -38,6 +39,7 @@ struct SessionServices {
   StreamTable& streams;
   const ServerLimits& limits;
   ServerCounters& counters;
+  SessionLedger& ledger;
 };
 
 class Session : public SceneWatcher,
@@ -69,6 +71,9 @@ class Session : public SceneWatcher,
   void OnScene(std::shared_ptr<const Scene> scene) override;
   void OnSceneDeleted(const absl::Status& reason) override;
   void OnStreamChanged() override { wake_(); }
+
+  // For whoever carries its messages.
+  SessionRecord& record() { return *record_; }
 
  private:
   struct Reply {
@@ -104,6 +109,7 @@ class Session : public SceneWatcher,
 
   const SessionServices services_;
   const std::function<void()> wake_;
+  const std::shared_ptr<SessionRecord> record_;
   const std::string viewer_;  // the engine's name for who is behind this session
 
   // Set by the hello, then read only by OnRequest's thread.

@@ -51,6 +51,8 @@ bool SubscriptionFeed::HasMessage() const {
 
 void SubscriptionFeed::BeginUpdate() {
   sending_ = stream_->Latest();
+  // What came before the subscription was not for it.
+  skipped_ = sent_number_ == 0 ? 0 : sending_.number - sent_number_ - 1;
   sent_number_ = sending_.number;
   --credit_;
   sends_artifact_ =
@@ -75,7 +77,8 @@ SubscriptionFeed::Message SubscriptionFeed::NextMessage() {
   shared.slices[0] = grpc::Slice(
       FieldPrefix(v1::SessionResponse::kArtifactUpdateFieldNumber, own.size() + shared.bytes) +
       own);
-  return {grpc::ByteBuffer(shared.slices.data(), shared.slices.size()), is_last};
+  return {grpc::ByteBuffer(shared.slices.data(), shared.slices.size()), is_last,
+          is_last ? skipped_ : 0};
 }
 
 void SubscriptionFeed::BeginMessages(v1::ArtifactUpdate& fields, SharedSlices& shared) const {
