@@ -4,26 +4,27 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "google/protobuf/stubs/logging.h"
 #include "server/address_file.h"
 #include "server/keep_freed_memory.h"
+#include "server/log/line_logger.h"
+#include "server/options.h"
 #include "server/penumbra_server.h"
-#include "server/server_identity.h"
 
 namespace penumbra {
 namespace {
 
-struct CommandLine {
-  ServerOptions server;
-  int drain_seconds = 5;
-  std::string address_file;
-};
+// Past the drain, for what computes to be stopped and put away; together with the usual drain of
+// 5 s less than the 10 s that a service manager waits.
+constexpr int kTeardownSeconds = 4;
 
 // What the signals are that end the server; all threads leave them to sigwait.
 sigset_t BlockEndingSignals() {
@@ -55,59 +56,49 @@ int Fail(const std::string& message) {
   return EXIT_FAILURE;
 }
 
-int Serve(const CommandLine& command) {
+int FailToStart(Logger& logger, const absl::Status& status) {
+  logger.Error("cannot_start", {{"error", std::string(status.message())}});
+  return EXIT_FAILURE;
+}
+
+// Ends the process at a second signal, or when its end takes longer than stated.
+void EndItAnyway(const sigset_t& signals, int seconds, Logger& logger) {
+  std::thread([signals, seconds, &logger] {
+    const timespec patience{.tv_sec = seconds, .tv_nsec = 0};
+    int number = -1;
+    do {
+      number = sigtimedwait(&signals, nullptr, &patience);
+    } while (number < 0 && errno == EINTR);
+    if (number > 0) _exit(128 + number);
+    logger.Error("overran", {{"seconds", seconds}});
+    _exit(EXIT_FAILURE);
+  }).detach();
+}
+
+int Serve(CommandLine command) {
   const sigset_t signals = BlockEndingSignals();
+  // Never destroyed: a thread of ours may use it to the very end.
+  static LineLogger& logger = *new LineLogger(
+      {.format = *LogFormatOf(command.log_format), .least = *LogLevelOf(command.log_level)});
+  command.server.logger = &logger;
   AddressFile address_file(command.address_file);
   address_file.RemoveIfDead();
-  ServerOptions options = command.server;
-  options.report = [](const std::string& line) {
-    std::fprintf(stderr, "penumbrad: %s\n", line.c_str());
-  };
-  auto server = PenumbraServer::Start(options);
-  if (!server.ok()) return Fail(std::string(server.status().message()));
+  auto server = PenumbraServer::Start(command.server);
+  if (!server.ok()) return FailToStart(logger, server.status());
   if (const auto status = address_file.Write((*server)->address()); !status.ok()) {
-    return Fail(std::string(status.message()));
+    return FailToStart(logger, status);
   }
-  std::fprintf(stderr, "penumbrad: %sGL: %s\n", (*server)->is_degraded() ? "degraded, " : "",
-               (*server)->gl_summary().c_str());
   std::printf("listening on %s\n", (*server)->address().c_str());
   std::fflush(stdout);
 
   const int first = WaitFor(signals);
-  std::fprintf(stderr, "penumbrad: %s, draining for at most %d s\n", strsignal(first),
-               command.drain_seconds);
-  std::thread([signals] { _exit(128 + WaitFor(signals)); }).detach();
+  logger.Info("draining", {{"signal", strsignal(first)}, {"seconds", command.drain_seconds}});
+  EndItAnyway(signals, command.drain_seconds + kTeardownSeconds, logger);
   address_file.Remove();  // while the address is still this server's
   (*server)->Shutdown(std::chrono::seconds(command.drain_seconds));
+  server->reset();
+  logger.Info("stopped", {});
   return EXIT_SUCCESS;
-}
-
-void AddOptions(CLI::App& app, CommandLine& command) {
-  app.add_option("--listen", command.server.listen,
-                 "Address: loopback, port 0 for a free one, or unix:PATH")
-      ->capture_default_str();
-  app.add_option("--threads", command.server.threads, "Threads that compute; 0: all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  app.add_option("--runners", command.server.runners,
-                 "Artifacts that are computed at a time, besides one final picture")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  app.add_option("--egl-device", command.server.egl_device,
-                 "EGL device, by number or part of its name; default: the first hardware device, "
-                 "else software");
-  app.add_option("--data-dir", command.server.data_dir,
-                 "Folder to keep scenes in; they are back when the server is started again");
-  app.add_flag("--reflection", command.server.reflection,
-               "Let clients ask for the service's description");
-  app.add_option("--drain-seconds", command.drain_seconds,
-                 "How long calls may take to end after SIGTERM; a second SIGTERM ends at once")
-      ->check(CLI::Range(0, 3600))
-      ->capture_default_str();
-  app.add_option(
-      "--address-file", command.address_file,
-      "Write the address to this file once the server listens; removed when it stops listening");
-  app.set_version_flag("--version", kServerName);
 }
 
 }  // namespace
@@ -116,17 +107,9 @@ void AddOptions(CLI::App& app, CommandLine& command) {
 int main(int argc, char** argv) {
   penumbra::KeepFreedMemory();
   penumbra::SilenceLibraries();
-  CLI::App app{"Penumbra server: computes soft shadows for the scenes that clients stream to it."};
-  penumbra::CommandLine command;
-  penumbra::AddOptions(app, command);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
-  } catch (const CLI::CallForVersion& version) {
-    return app.exit(version);
-  } catch (const CLI::ParseError& error) {
-    return penumbra::Fail(error.what());
-  }
-  return penumbra::Serve(command);
+  auto command = penumbra::ReadOptions({argv + 1, argv + argc}, penumbra::FromEnvironment);
+  if (!command.ok()) return penumbra::Fail(std::string(command.status().message()));
+  if (command->text.empty()) return penumbra::Serve(*std::move(command));
+  std::fputs(command->text.c_str(), stdout);
+  return std::fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

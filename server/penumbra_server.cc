@@ -1,5 +1,7 @@
 #include "server/penumbra_server.h"
 
+#include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "grpcpp/health_check_service_interface.h"
@@ -11,6 +13,10 @@
 #include "render/gl/worker.h"
 #include "render/scene/field_error.h"
 #include "server/listen_address.h"
+#include "server/metrics/job_notes.h"
+#include "server/metrics/metrics_collector.h"
+#include "server/metrics/metrics_endpoint.h"
+#include "server/server_identity.h"
 #include "server/service/penumbra_service.h"
 #include "server/transport.h"
 
@@ -29,8 +35,16 @@ double SteadyNowMs() {
 
 using GlWorker = absl::StatusOr<std::unique_ptr<gl::Worker>>;
 
-// `gl_worker` outlives the engine.
-LocalEngineOptions EngineOptions(const ServerOptions& options, const GlWorker& gl_worker) {
+// Between the health service's word and the end of sessions: who directs clients to servers hears
+// of it before they have to connect anew. A part of the drain.
+constexpr std::chrono::milliseconds kNotice{200};
+// For what gRPC has still to send when our calls have ended, and for those who watch the health
+// service, who never end by themselves.
+constexpr std::chrono::milliseconds kLastWords{250};
+
+// The others outlive the engine.
+LocalEngineOptions EngineOptions(const ServerOptions& options, const GlWorker& gl_worker,
+                                 ServerCounters& counters) {
   return {.cpu_threads = options.threads,
           .runner_threads = options.runners,
           .max_kept_bytes = options.limits.max_kept_bytes,
@@ -42,6 +56,7 @@ LocalEngineOptions EngineOptions(const ServerOptions& options, const GlWorker& g
             if (!gl_worker.ok()) return gl_worker.status();
             return gl_worker->get();
           },
+          .on_job = NoteJobs(counters, *options.logger),
           .technique_for = options.technique_for};
 }
 
@@ -66,8 +81,7 @@ v1::GlInfo GlInfoOf(const GlWorker& worker) {
 
 absl::StatusOr<std::unique_ptr<SceneStorage>> OpenStorage(const ServerOptions& options) {
   if (options.data_dir.empty()) return nullptr;
-  auto report = options.report ? options.report : [](const std::string&) {};
-  return SceneStorage::Open(options.data_dir, options.storage, std::move(report));
+  return SceneStorage::Open(options.data_dir, options.storage, *options.logger);
 }
 
 }  // namespace
@@ -76,15 +90,20 @@ absl::StatusOr<std::unique_ptr<SceneStorage>> OpenStorage(const ServerOptions& o
 struct PenumbraServer::Parts {
   Parts(const ServerOptions& options, std::unique_ptr<SceneStorage> opened)
       : limits(options.limits),
+        logger(*options.logger),
         storage(std::move(opened)),
         gl_worker(OpenGl(options)),
-        engine(EngineOptions(options, gl_worker)) {
+        engine(EngineOptions(options, gl_worker, counters)) {
     if (storage) blobs.KeepOn(storage->blob_files());
     scenes.Restore();
   }
 
+  MetricsGauges Gauges() const;
+
   const ServerLimits limits;
+  Logger& logger;
   ServerCounters counters;
+  SessionLedger ledger{counters, logger};
   StreamServices stream_services{counters};
   const std::unique_ptr<SceneStorage> storage;  // null: scenes live in memory
   const GlWorker gl_worker;
@@ -95,20 +114,44 @@ struct PenumbraServer::Parts {
   PresenceTable presence;
   SessionTable sessions{limits};
   WorkerPool blob_workers{{kBlobWorkers}};
+  const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   PenumbraService service{ServiceParts{.sessions = {.scenes = scenes,
                                                     .blobs = blobs,
                                                     .streams = streams,
                                                     .presence = presence,
                                                     .limits = limits,
-                                                    .counters = counters},
+                                                    .counters = counters,
+                                                    .ledger = ledger},
                                        .session_table = sessions,
                                        .engine = engine,
                                        .blob_workers = blob_workers.lane(0),
                                        .gl_info = [this] { return GlInfoOf(gl_worker); },
-                                       .started = std::chrono::steady_clock::now()}};
+                                       .started = started,
+                                       .logger = logger}};
   std::string address;
   std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<MetricsEndpoint> metrics;
 };
+
+MetricsGauges PenumbraServer::Parts::Gauges() const {
+  const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - started;
+  const v1::GlInfo gl = GlInfoOf(gl_worker);
+  MetricsGauges gauges{.engine = engine.statistics(),
+                       .blobs = blobs.blob_count(),
+                       .blob_bytes = blobs.blob_bytes(),
+                       .uptime_seconds = uptime.count(),
+                       .is_degraded = !gl_worker.ok(),
+                       .gl_vendor = gl.vendor(),
+                       .gl_renderer = gl.renderer(),
+                       .gl_version = gl.version(),
+                       .gl_device = gl.device()};
+  for (const LocalEngine::SceneLoad& load : engine.scene_loads()) {
+    ++gauges.scenes;
+    gauges.jobs_waiting += load.jobs_waiting;
+    gauges.jobs_running += load.jobs_running;
+  }
+  return gauges;
+}
 
 PenumbraServer::PenumbraServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
@@ -119,6 +162,13 @@ absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
   auto storage = OpenStorage(options);
   if (!storage.ok()) return storage.status();
   auto parts = std::make_unique<Parts>(options, *std::move(storage));
+  if (!options.metrics_listen.empty()) {
+    auto metrics = MetricsEndpoint::Open(
+        options.metrics_listen, std::make_shared<MetricsCollector>(
+                                    parts->counters, [&parts = *parts] { return parts.Gauges(); }));
+    if (!metrics.ok()) return metrics.status();
+    parts->metrics = *std::move(metrics);
+  }
   PrepareTransport();
   grpc::ServerBuilder builder;
   ConfigureTransport(options.limits, options.reflection, builder);
@@ -137,7 +187,9 @@ absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
   parts->server->GetHealthCheckService()->SetServingStatus(v1::PenumbraService::service_full_name(),
                                                            true);
   parts->server->GetHealthCheckService()->SetServingStatus(kGlHealthName, parts->gl_worker.ok());
-  return std::unique_ptr<PenumbraServer>(new PenumbraServer(std::move(parts)));
+  std::unique_ptr<PenumbraServer> server(new PenumbraServer(std::move(parts)));
+  server->LogStart(options);
+  return server;
 }
 
 PenumbraServer::~PenumbraServer() { Shutdown(std::chrono::milliseconds(0)); }
@@ -146,17 +198,48 @@ const std::string& PenumbraServer::address() const { return parts_->address; }
 
 bool PenumbraServer::is_degraded() const { return !parts_->gl_worker.ok(); }
 
-std::string PenumbraServer::gl_summary() const {
-  const v1::GlInfo info = GlInfoOf(parts_->gl_worker);
-  if (!info.error().empty()) return "none: " + info.error();
-  return info.renderer() + ", OpenGL " + info.version() + ", EGL device " + info.device();
+const std::string& PenumbraServer::metrics_address() const {
+  static const std::string none;
+  return parts_->metrics ? parts_->metrics->address() : none;
 }
 
+void PenumbraServer::LogStart(const ServerOptions& options) const {
+  const v1::GlInfo gl = GlInfoOf(parts_->gl_worker);
+  const LogField fields[] = {
+      {"server", kServerName},        {"address", address()},
+      {"metrics", metrics_address()}, {"threads", parts_->engine.cpu_threads()},
+      {"runners", options.runners},   {"degraded", is_degraded()},
+      {"gl_vendor", gl.vendor()},     {"gl_renderer", gl.renderer()},
+      {"gl_version", gl.version()},   {"gl_device", gl.device()},
+      {"gl_error", gl.error()}};
+  const LogLevel level = is_degraded() ? LogLevel::kWarning : LogLevel::kInfo;
+  parts_->logger.Write(level, "started", fields);
+}
+
+// The order matters: nobody is sent here any more before those who are here have to leave.
 void PenumbraServer::Shutdown(std::chrono::milliseconds drain) {
   if (!parts_->server) return;
-  parts_->sessions.EndAll(FieldError(absl::StatusCode::kUnavailable, "SHUTTING_DOWN", "",
-                                     "the server is shutting down"));
-  parts_->server->Shutdown(std::chrono::system_clock::now() + drain);
+  using std::chrono::system_clock;
+  const auto deadline = system_clock::now() + drain;
+  const absl::Status reason = FieldError(absl::StatusCode::kUnavailable, "SHUTTING_DOWN", "",
+                                         "the server is shutting down");
+  const auto tell = [this](const char* step) {
+    parts_->logger.Info("drain_step", {{"step", step},
+                                       {"open_sessions", parts_->counters.open_sessions.load()},
+                                       {"open_calls", parts_->counters.open_calls.load()}});
+  };
+  tell("health");
+  parts_->server->GetHealthCheckService()->Shutdown();
+  std::this_thread::sleep_for(std::min(kNotice, drain / 4));
+  tell("admissions");
+  parts_->sessions.Close(reason);
+  tell("sessions");
+  parts_->sessions.EndAll(reason);
+  while (parts_->counters.open_calls > 0 && system_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  tell("connections");
+  parts_->server->Shutdown(std::min(deadline, system_clock::now() + kLastWords));
   parts_->server->Wait();
   parts_->server.reset();
   parts_->blob_workers.Stop();

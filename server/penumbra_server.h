@@ -15,6 +15,7 @@
 #include "absl/status/statusor.h"
 #include "render/technique/technique.h"
 #include "server/limits.h"
+#include "server/log/logger.h"
 #include "server/scene_store/scene_log.h"
 
 namespace penumbra {
@@ -26,11 +27,11 @@ struct ServerOptions {
   std::string egl_device;                 // see gl::Display::Open
   bool opens_gl = true;                   // otherwise the server is degraded
   bool reflection = false;
-  std::string data_dir;  // where scenes are kept; empty: in memory only, gone with the server
+  std::string metrics_listen;  // see MetricsEndpoint; empty: no metrics are served
+  std::string data_dir;        // where scenes are kept; empty: in memory only, gone with the server
   SceneLogOptions storage{};
-  // Told, in a line, of what an operator should know; from any thread. Null: nobody is.
-  std::function<void(const std::string&)> report;
   ServerLimits limits{};
+  Logger* logger = &QuietLogger();  // outlives the server
   // What computes a spec; tests put their own here. It must outlive the server.
   std::function<const Technique&(const TechniqueParams&)> technique_for = TechniqueFor;
 };
@@ -39,23 +40,26 @@ class PenumbraServer {
  public:
   // Listens when it returns. Without an EGL device it starts, and says that it is degraded.
   //
-  // Errors  those of listen_address.h and DataDirectory
+  // Errors  those of listen_address.h, of DataDirectory and of MetricsEndpoint::Open
   static absl::StatusOr<std::unique_ptr<PenumbraServer>> Start(const ServerOptions& options);
   ~PenumbraServer();  // Shutdown without a wait
 
   // Where clients connect to, with the port that was taken.
   const std::string& address() const;
-  // One line on the GL in use, or on why there is none.
-  std::string gl_summary() const;
   bool is_degraded() const;
 
-  // Ends sessions with kUnavailable once their replies are sent, waits for other calls to end, and
+  // Where the metrics are served, with the port that was taken; empty where they are not.
+  const std::string& metrics_address() const;
+
+  // Tells the health service's clients, lets no more sessions in, ends those that are open with
+  // kUnavailable SHUTTING_DOWN once their replies are sent, waits for other calls to end, and
   // cancels what has not ended after `drain`. Only the first call does anything.
   void Shutdown(std::chrono::milliseconds drain);
 
  private:
   struct Parts;
   explicit PenumbraServer(std::unique_ptr<Parts> parts);
+  void LogStart(const ServerOptions& options) const;
 
   std::unique_ptr<Parts> parts_;
 };

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/cli/listings.h"
 #include "client/cli/numbers.h"
 #include "client/display/volume_look.h"
 #include "render/math/vec.h"
@@ -19,12 +20,6 @@
 #include "render/technique/technique_params.h"
 
 namespace penumbra {
-
-// Where shadows are computed.
-struct EngineChoice {
-  std::string server;    // "host:port"; empty: in this process
-  uint32_t threads = 0;  // of the engine in this process; 0: one a core
-};
 
 // Pixels of a computed picture where nothing is said of them.
 inline constexpr GridSize kPictureSize{512, 512};
@@ -110,16 +105,6 @@ struct WatchCommand {
   bool json = false;
 };
 
-struct TechniquesCommand {
-  EngineChoice engine;
-  bool json = false;
-};
-
-struct InfoCommand {
-  EngineChoice engine;
-  bool json = false;
-};
-
 struct ReceiversCommand {
   std::filesystem::path scene;
   double min_area_m2 = 0.0;
@@ -142,7 +127,8 @@ struct PrintText {
   std::string text;
 };
 
-using Command = std::variant<PrintText, BakeCommand, ViewCommand, PushCommand, WatchCommand,
-                             TechniquesCommand, InfoCommand, DemoCommand, ReceiversCommand>;
+using Command =
+    std::variant<PrintText, BakeCommand, ViewCommand, PushCommand, WatchCommand, TechniquesCommand,
+                 InfoCommand, TopCommand, DemoCommand, ReceiversCommand>;
 
 }  // namespace penumbra

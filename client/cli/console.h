@@ -16,6 +16,7 @@ struct Console {
   std::ostream& out;
   std::ostream& err;
   bool err_is_terminal = false;  // then progress is a bar; elsewhere it is plain lines
+  bool out_is_terminal = false;  // then a table that changes is drawn in place
 
   void Note(std::string_view text) const;
 };

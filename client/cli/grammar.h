@@ -72,6 +72,7 @@ class Grammar {
   WatchCommand watch_;
   TechniquesCommand techniques_;
   InfoCommand info_;
+  TopCommand top_;
   DemoCommand demo_;
   ReceiversCommand receivers_;
   Command chosen_;

@@ -51,6 +51,17 @@ void Grammar::AddListings() {
   CLI::App* info = AddCommand(info_, "info", "Say what this program, or a server, is and can do");
   AddEngine(info, info_.engine);
   info->add_flag("--json", info_.json, "Print JSON");
+  CLI::App* top =
+      AddCommand(top_, "top", "Show what goes on at a server: scenes, clients, jobs, rates");
+  AddEngine(top, top_.engine, true);
+  top->add_option("--rows", top_.rows, "The most scenes, and clients, to show (default 20)")
+      ->check(CLI::Range(1, 100'000))
+      ->type_name("N");
+  top->add_option("--interval", top_.interval_s, "Seconds between looks (default 1)")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->type_name("S");
+  top->add_flag("--once", top_.once, "Show one table, and end");
+  top->add_flag("--json", top_.json, "What the server says, one JSON object a line");
 }
 
 void Grammar::AddDemo() {

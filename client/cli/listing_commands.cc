@@ -4,6 +4,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/run_command.h"
+#include "client/cli/server_json.h"
+#include "client/cli/status_table.h"
 #include "client/cli/version.h"
 #include "client/session/remote_engine.h"
 #include "render/scene/scene_limits.h"
@@ -64,17 +66,6 @@ Json LocalInfo() {
             {"max_light_samples", limits.max_light_samples}}}};
 }
 
-absl::StatusOr<Json> FromServer(const EngineChoice& choice,
-                                absl::StatusOr<std::string> (RemoteEngine::*ask)()) {
-  const auto engine = RemoteEngine::Connect({.address = choice.server});
-  if (!engine.ok()) return engine.status();
-  const auto text = ((**engine).*ask)();
-  if (!text.ok()) return text.status();
-  Json json = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded()) return absl::InternalError("the server's answer does not read as JSON");
-  return json;
-}
-
 std::string Text(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
@@ -105,12 +96,42 @@ void PrintLeaves(const Json& value, const std::string& path, std::ostream& out) 
   }
 }
 
+// What the server is, and the names of its techniques.
+absl::StatusOr<Json> ServerInfo(const std::string& address) {
+  auto info = AskServer(address, &RemoteEngine::ServerInfoJson);
+  if (!info.ok()) return info.status();
+  const auto techniques = AskServer(address, &RemoteEngine::TechniquesJson);
+  if (!techniques.ok()) return techniques.status();
+  Json names = Json::array();
+  for (const Json& technique : techniques->value("techniques", Json::array())) {
+    names.push_back(TextAt(technique, "name"));
+  }
+  (*info)["techniques"] = std::move(names);
+  (*info)["client"] = VersionText();
+  return info;
+}
+
+void PrintSummary(const std::string& address, const Json& info, std::ostream& out) {
+  const Json gl = info.value("gl", Json::object());
+  const std::string gl_error = TextAt(gl, "error");
+  out << TextAt(info, "server_name") << " at " << address << ", "
+      << (gl_error.empty() ? "serving" : "serving degraded") << ", up "
+      << DurationText(NumberAt(info, "uptime_ms") * 1e-3) << ", " << TextAt(info, "thread_count")
+      << " threads\n"
+      << "OpenGL: "
+      << (gl_error.empty() ? absl::StrCat(TextAt(gl, "renderer"), ", ", TextAt(gl, "version"))
+                           : absl::StrCat("none: ", gl_error))
+      << '\n'
+      << info["techniques"].size() << " techniques, "
+      << CountersText(info.value("statistics", Json::object())) << "\n\n";
+}
+
 }  // namespace
 
 absl::Status Run(const TechniquesCommand& command, const Console& console, std::stop_token) {
   absl::StatusOr<Json> json = LocalTechniques();
   if (!command.engine.server.empty()) {
-    json = FromServer(command.engine, &RemoteEngine::TechniquesJson);
+    json = AskServer(command.engine.server, &RemoteEngine::TechniquesJson);
   }
   if (!json.ok()) return json.status();
   if (command.json) {
@@ -126,15 +147,15 @@ absl::Status Run(const TechniquesCommand& command, const Console& console, std::
 absl::Status Run(const InfoCommand& command, const Console& console, std::stop_token) {
   absl::StatusOr<Json> json = LocalInfo();
   if (!command.engine.server.empty()) {
-    json = FromServer(command.engine, &RemoteEngine::ServerInfoJson);
-    if (json.ok()) (*json)["client"] = VersionText();
+    json = ServerInfo(command.engine.server);
   }
   if (!json.ok()) return json.status();
   if (command.json) {
     console.out << json->dump(2) << '\n';
-  } else {
-    PrintLeaves(*json, "", console.out);
+    return absl::OkStatus();
   }
+  if (!command.engine.server.empty()) PrintSummary(command.engine.server, *json, console.out);
+  PrintLeaves(*json, "", console.out);
   return absl::OkStatus();
 }
 

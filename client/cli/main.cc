@@ -24,8 +24,10 @@ int RunProgram(const std::vector<std::string>& arguments) {
   const penumbra::Interrupt interrupt;
   const auto command = penumbra::ParseCommandLine(arguments);
   if (!command.ok()) return Fail(command.status(), 2);
-  const penumbra::Console console{
-      .out = std::cout, .err = std::cerr, .err_is_terminal = isatty(STDERR_FILENO) != 0};
+  const penumbra::Console console{.out = std::cout,
+                                  .err = std::cerr,
+                                  .err_is_terminal = isatty(STDERR_FILENO) != 0,
+                                  .out_is_terminal = isatty(STDOUT_FILENO) != 0};
   const absl::Status status = penumbra::RunCommand(*command, console, interrupt.token());
   if (status.ok()) return 0;
   // Options that contradict each other, or the technique.

@@ -20,6 +20,7 @@ absl::Status Run(const PushCommand& command, const Console& console, std::stop_t
 absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop);
 absl::Status Run(const TechniquesCommand& command, const Console& console, std::stop_token stop);
 absl::Status Run(const InfoCommand& command, const Console& console, std::stop_token stop);
+absl::Status Run(const TopCommand& command, const Console& console, std::stop_token stop);
 absl::Status Run(const DemoCommand& command, const Console& console, std::stop_token stop);
 absl::Status Run(const ReceiversCommand& command, const Console& console, std::stop_token stop);
 

@@ -139,6 +139,14 @@ absl::StatusOr<std::string> RemoteEngine::ServerInfoJson() {
   return ToJson(response);
 }
 
+absl::StatusOr<std::string> RemoteEngine::ServerStatusJson() {
+  v1::GetServerStatusResponse response;
+  const absl::Status status = connection_->Call(&v1::PenumbraService::Stub::GetServerStatus,
+                                                v1::GetServerStatusRequest(), &response);
+  if (!status.ok()) return status;
+  return ToJson(response);
+}
+
 absl::StatusOr<std::string> RemoteEngine::TechniquesJson() {
   v1::ListTechniquesResponse response;
   const absl::Status status = connection_->Call(&v1::PenumbraService::Stub::ListTechniques,

@@ -107,9 +107,11 @@ class RemoteEngine : public Engine {
                                                               const EachRequest& request,
                                                               EachCallback callback);
 
-  // What the server says of itself and of its techniques: GetServerInfoResponse and
-  // ListTechniquesResponse in protobuf's JSON, with the fields named as in the protocol.
+  // What the server says of itself, of what goes on, and of its techniques: GetServerInfoResponse,
+  // GetServerStatusResponse and ListTechniquesResponse in protobuf's JSON, with the fields named as
+  // in the protocol.
   absl::StatusOr<std::string> ServerInfoJson();
+  absl::StatusOr<std::string> ServerStatusJson();
   absl::StatusOr<std::string> TechniquesJson();
 
   UploadTraffic upload_traffic() const;

@@ -22,6 +22,7 @@ void Channel::Add(std::shared_ptr<Subscriber> subscriber, std::shared_ptr<const 
   subscribers_.push_back(std::move(subscriber));
   if (head_) return;
   head_ = std::move(scene);
+  NoteWanted();
   Enqueue();
 }
 
@@ -44,6 +45,7 @@ void Channel::OnCommit(std::shared_ptr<const Scene> after, SceneChange& change) 
     const bool is_error = newest_ && !newest_->status.ok();
     if ((is_error && !job_) || change.Affects(spec_, region_)) {
       newest_is_stale_ = true;
+      NoteWanted();
       if (!job_) {
         Enqueue();
       } else {
@@ -74,8 +76,18 @@ void Channel::End(const absl::Status& reason) {
   if (stop) stop->request_stop();
 }
 
+Channel::Load Channel::load() {
+  std::lock_guard lock(mutex_);
+  return {.waits = queued_, .runs = job_.has_value()};
+}
+
+void Channel::NoteWanted() {
+  if (!wanted_ms_) wanted_ms_ = NowMs();
+}
+
 void Channel::Enqueue() {
   queued_ = true;
+  queued_ms_ = NowMs();
   resources_.jobs.Add(shared_from_this());
 }
 
@@ -96,15 +108,25 @@ void Channel::RunJob() {
     std::lock_guard lock(mutex_);
     queued_ = false;
     if (ended_) return;
-    Job& job = job_.emplace(Job{.scene = head_, .holds_until = head_->revision()});
+    const double now_ms = NowMs();
+    Job& job = job_.emplace(
+        Job{.scene = head_,
+            .holds_until = head_->revision(),
+            .started_ms = now_ms,
+            .wanted_ms = wanted_ms_.value_or(queued_ms_),
+            .report = {.technique = technique_.info().name, .waited_ms = now_ms - queued_ms_}});
+    wanted_ms_.reset();
     scene = job.scene;
     stop = job.stop.get_token();
   }
   ++resources_.counters.jobs_started;
   auto result = Compute(*scene, stop);
-  std::lock_guard lock(mutex_);
-  const Job job = *std::exchange(job_, std::nullopt);
-  Finish(job, std::move(result));
+  JobReport report;
+  {
+    std::lock_guard lock(mutex_);
+    report = Finish(*std::exchange(job_, std::nullopt), std::move(result));
+  }
+  if (resources_.on_job) resources_.on_job(report);
 }
 
 absl::StatusOr<std::shared_ptr<const Artifact>> Channel::Compute(const Scene& scene,
@@ -165,7 +187,10 @@ void Channel::OnPass(Artifact artifact) {
     if (ended_ || !job_ || (job_->superseded && job_->published)) return;
     if (pass < job_->next_pass) return;
     job_->next_pass = pass + 1;
-    if (!std::exchange(job_->published, true)) ++resources_.counters.first_passes;
+    if (!std::exchange(job_->published, true)) {
+      ++resources_.counters.first_passes;
+      job_->report.first_artifact_ms = NowMs() - job_->wanted_ms;
+    }
     ++resources_.counters.artifacts_published;
     if (job_->superseded) stop = job_->stop;
     newest_is_stale_ = job_->superseded;
@@ -174,25 +199,33 @@ void Channel::OnPass(Artifact artifact) {
   if (stop) stop->request_stop();
 }
 
-void Channel::Finish(const Job& job, absl::StatusOr<std::shared_ptr<const Artifact>> result) {
+JobReport Channel::Finish(Job job, absl::StatusOr<std::shared_ptr<const Artifact>> result) {
   EngineCounters& counters = resources_.counters;
+  const double now_ms = NowMs();
+  job.report.computed_ms = now_ms - job.started_ms;
+  job.report.status = result.status();
   const bool superseded_and_shown = job.superseded && job.published;
   if (ended_ || superseded_and_shown || (job.superseded && absl::IsCancelled(result.status()))) {
     ++counters.jobs_cancelled;
+    job.report.outcome = JobReport::Outcome::kSuperseded;
   } else if (!result.ok()) {
     ++counters.jobs_failed;
+    job.report.outcome = JobReport::Outcome::kFailed;
     newest_is_stale_ = job.superseded;
     PublishLast({job.holds_until, result.status(), nullptr});
   } else {
     ++counters.jobs_finished;
     ++counters.artifacts_published;
     if (!job.published) ++counters.first_passes;
+    job.report.final_artifact_ms = now_ms - job.wanted_ms;
+    if (!job.published) job.report.first_artifact_ms = job.report.final_artifact_ms;
     newest_is_stale_ = job.superseded;
     PublishLast({job.holds_until, absl::OkStatus(), *std::move(result)});
   }
   // Commits that do not affect an artifact may still mend an error.
   const bool may_be_mended = !result.ok() && head_ != job.scene;
   if (!ended_ && (job.superseded || may_be_mended)) Enqueue();
+  return std::move(job.report);
 }
 
 }  // namespace penumbra

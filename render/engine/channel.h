@@ -20,6 +20,7 @@
 #include "render/engine/engine.h"
 #include "render/engine/engine_statistics.h"
 #include "render/engine/job_queue.h"
+#include "render/engine/job_report.h"
 #include "render/engine/scene_change.h"
 #include "render/engine/subscriber.h"
 #include "render/gl/worker.h"
@@ -39,6 +40,7 @@ struct JobResources {
   EngineCounters& counters;
   MemoryBudget& kept;  // for what techniques keep between jobs
   GlWorkerSource gl_worker;
+  JobObserver on_job;  // may be null
 };
 
 class Channel : public std::enable_shared_from_this<Channel> {
@@ -58,6 +60,12 @@ class Channel : public std::enable_shared_from_this<Channel> {
   double viewed_share() const { return viewed_share_; }
   void SetViewedShare(double share) { viewed_share_ = share; }
   const ArtifactSpec& spec() const { return spec_; }
+  // Whether a job waits for a thread, and whether one runs.
+  struct Load {
+    bool waits = false;
+    bool runs = false;
+  };
+  Load load();
 
   // Computes for the newest scene; by the job queue alone.
   void RunJob();
@@ -75,12 +83,17 @@ class Channel : public std::enable_shared_from_this<Channel> {
     bool published = false;
     uint32_t next_pass = 0;  // those before have been published, perhaps by an earlier attempt
     bool superseded = false;
+    double started_ms = 0;
+    double wanted_ms = 0;  // when the oldest change came that this job answers
+    JobReport report{};
   };
 
-  void Enqueue();  // with the lock held, as for all of these
+  double NowMs() const { return resources_.now_ms ? resources_.now_ms() : 0; }
+  void NoteWanted();  // with the lock held, as for all of these
+  void Enqueue();
   void Publish(ArtifactUpdate update);
   void PublishLast(ArtifactUpdate update);  // as the last thing that a job does
-  void Finish(const Job& job, absl::StatusOr<std::shared_ptr<const Artifact>> result);
+  JobReport Finish(Job job, absl::StatusOr<std::shared_ptr<const Artifact>> result);
 
   void OnPass(Artifact artifact);
   absl::StatusOr<std::shared_ptr<const Artifact>> Compute(const Scene& scene, std::stop_token stop);
@@ -100,8 +113,10 @@ class Channel : public std::enable_shared_from_this<Channel> {
   bool newest_is_stale_ = false;          // a commit has affected it since
   bool queued_ = false;
   bool ended_ = false;
-  std::optional<Job> job_;  // the one that runs
-  TechniqueMemory memory_;  // the running job's
+  double queued_ms_ = 0;
+  std::optional<double> wanted_ms_;  // the oldest change that no job has begun to answer
+  std::optional<Job> job_;           // the one that runs
+  TechniqueMemory memory_;           // the running job's
 };
 
 }  // namespace penumbra

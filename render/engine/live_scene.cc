@@ -120,6 +120,23 @@ void LiveScene::ShareViews() const {
   for (const auto& [key, channel] : channels_) ShareViews(*channel, *scene);
 }
 
+LiveScene::Load LiveScene::load() {
+  const std::unique_lock order(order_mutex_, std::try_to_lock);
+  if (!order.owns_lock()) {
+    std::lock_guard lock(head_mutex_);
+    return last_load_;
+  }
+  Load load{.artifacts = channels_.size()};
+  for (const auto& [key, channel] : channels_) {
+    const Channel::Load its = channel->load();
+    load.jobs_waiting += its.waits ? 1 : 0;
+    load.jobs_running += its.runs ? 1 : 0;
+  }
+  std::lock_guard lock(head_mutex_);
+  last_load_ = load;
+  return load;
+}
+
 void LiveScene::End(const absl::Status& reason) {
   std::lock_guard order(order_mutex_);
   ended_ = true;

@@ -39,6 +39,14 @@ class LiveScene {
   absl::Status ReportView(const std::string& viewer, const std::optional<View>& view,
                           size_t max_viewers);
 
+  // How much there is to do for it; as it last was, where a commit is under way.
+  struct Load {
+    size_t artifacts = 0;  // that somebody follows
+    size_t jobs_waiting = 0;
+    size_t jobs_running = 0;
+  };
+  Load load();
+
   // Says `reason`, if it is an error, to all subscribers as the last word, and cancels all jobs.
   void End(const absl::Status& reason);
 
@@ -50,8 +58,9 @@ class LiveScene {
 
   const std::shared_ptr<SceneMemory> memory_ = std::make_shared<SceneMemory>();
 
-  mutable std::mutex head_mutex_;  // held for a copy of the pointer only
+  mutable std::mutex head_mutex_;  // held for a copy of the next two only
   std::shared_ptr<const Scene> head_;
+  Load last_load_;
 
   std::mutex order_mutex_;  // one commit, subscription or end at a time; taken before head_mutex_
   bool ended_ = false;

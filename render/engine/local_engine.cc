@@ -34,6 +34,15 @@ class LocalSubscription : public Subscription {
   const std::shared_ptr<Subscriber> subscriber_;
 };
 
+SceneInfo InfoOf(const Scene& head) {
+  return {.id = head.id(),
+          .revision = head.revision(),
+          .content_hash = head.content_hash(),
+          .instance_count = head.instances().size(),
+          .light_count = head.lights().size(),
+          .receiver_count = head.receivers().size()};
+}
+
 }  // namespace
 
 struct LocalEngine::Scenes {
@@ -113,21 +122,8 @@ absl::Status LocalEngine::DeleteScene(const std::string& scene_id) {
 }
 
 absl::StatusOr<std::vector<SceneInfo>> LocalEngine::ListScenes() {
-  std::vector<std::shared_ptr<LiveScene>> scenes;
-  {
-    std::lock_guard lock(scenes_->mutex);
-    for (const auto& [id, scene] : scenes_->by_id) scenes.push_back(scene);
-  }
   std::vector<SceneInfo> infos;
-  for (const auto& scene : scenes) {
-    const auto head = scene->Snapshot();
-    infos.push_back({.id = head->id(),
-                     .revision = head->revision(),
-                     .content_hash = head->content_hash(),
-                     .instance_count = head->instances().size(),
-                     .light_count = head->lights().size(),
-                     .receiver_count = head->receivers().size()});
-  }
+  for (const auto& scene : All()) infos.push_back(InfoOf(*scene->Snapshot()));
   return infos;
 }
 
@@ -175,7 +171,8 @@ absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::
                                .now_ms = options_.now_ms,
                                .counters = counters_,
                                .kept = kept_,
-                               .gl_worker = options_.gl_worker};
+                               .gl_worker = options_.gl_worker,
+                               .on_job = options_.on_job};
   const absl::Status subscribed =
       (*scene)->Subscribe(spec, technique, resources, options_.max_artifacts_per_scene, subscriber);
   if (!subscribed.ok()) return subscribed;
@@ -184,7 +181,26 @@ absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::
 
 EngineStatistics LocalEngine::statistics() const { return counters_.Read(); }
 
+std::vector<LocalEngine::SceneLoad> LocalEngine::scene_loads() const {
+  std::vector<SceneLoad> loads;
+  for (const auto& scene : All()) {
+    const LiveScene::Load load = scene->load();
+    loads.push_back({.scene = InfoOf(*scene->Snapshot()),
+                     .artifacts = load.artifacts,
+                     .jobs_waiting = load.jobs_waiting,
+                     .jobs_running = load.jobs_running});
+  }
+  return loads;
+}
+
 int LocalEngine::cpu_threads() const { return CpuThreads(options_); }
+
+std::vector<std::shared_ptr<LiveScene>> LocalEngine::All() const {
+  std::lock_guard lock(scenes_->mutex);
+  std::vector<std::shared_ptr<LiveScene>> scenes;
+  for (const auto& [id, scene] : scenes_->by_id) scenes.push_back(scene);
+  return scenes;
+}
 
 absl::StatusOr<std::shared_ptr<LiveScene>> LocalEngine::Find(const std::string& scene_id) const {
   std::lock_guard lock(scenes_->mutex);

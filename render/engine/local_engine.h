@@ -21,6 +21,7 @@
 
 #include "render/engine/engine.h"
 #include "render/engine/engine_statistics.h"
+#include "render/engine/job_report.h"
 #include "render/scene/scene_limits.h"
 #include "render/technique/technique.h"
 
@@ -48,6 +49,7 @@ struct LocalEngineOptions {
   // For specs that take GL. Null: they end in an error. The worker must outlive the engine, or the
   // function own it.
   std::function<absl::StatusOr<gl::Worker*>()> gl_worker = nullptr;
+  JobObserver on_job = nullptr;  // told of every job that has ended; see job_report.h
   // What computes a spec; tests put their own here. It must outlive the engine.
   std::function<const Technique&(const TechniqueParams&)> technique_for = TechniqueFor;
 };
@@ -83,6 +85,14 @@ class LocalEngine : public Engine {
                           const std::optional<View>& view) override;
 
   EngineStatistics statistics() const;
+  // What there is to do for each scene, in the order of their ids.
+  struct SceneLoad {
+    SceneInfo scene;
+    size_t artifacts = 0;  // that somebody follows
+    size_t jobs_waiting = 0;
+    size_t jobs_running = 0;
+  };
+  std::vector<SceneLoad> scene_loads() const;
   // Threads that a job may use.
   int cpu_threads() const;
 
@@ -91,6 +101,7 @@ class LocalEngine : public Engine {
   struct Threads;
 
   absl::StatusOr<std::shared_ptr<LiveScene>> Find(const std::string& scene_id) const;
+  std::vector<std::shared_ptr<LiveScene>> All() const;
 
   const LocalEngineOptions options_;
   EngineCounters counters_;

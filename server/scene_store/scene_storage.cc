@@ -42,21 +42,21 @@ absl::Status Damaged(const std::string& found) {
 
 absl::StatusOr<std::unique_ptr<SceneStorage>> SceneStorage::Open(const std::string& folder,
                                                                  const SceneLogOptions& options,
-                                                                 Report report) {
+                                                                 Logger& logger) {
   auto directory = DataDirectory::Open(folder);
   if (!directory.ok()) return directory.status();
   std::unique_ptr<SceneStorage> storage(
-      new SceneStorage(*std::move(directory), options, std::move(report)));
+      new SceneStorage(*std::move(directory), options, logger));
   if (auto status = storage->ReadHeadsFile(); !status.ok()) return status;
   storage->heads_writer_ = std::thread([raw = storage.get()] { raw->WriteHeadsLater(); });
   return storage;
 }
 
 SceneStorage::SceneStorage(std::unique_ptr<DataDirectory> directory, const SceneLogOptions& options,
-                           Report report)
+                           Logger& logger)
     : directory_(std::move(directory)),
       options_(options),
-      report_(std::move(report)),
+      logger_(logger),
       blob_files_(directory_->blobs_path()),
       workers_({kWriters}) {}
 
@@ -74,8 +74,8 @@ SceneStorage::~SceneStorage() {
 absl::Status SceneStorage::ReadHeadsFile() {
   auto heads = ReadHeads(directory_->heads_path());
   if (absl::IsDataLoss(heads.status())) {
-    report_(absl::StrCat("heads: ", heads.status().message(),
-                         "; scenes are taken as their own files have them"));
+    // Scenes are taken as their own files have them.
+    logger_.Error("heads_damaged", {{"error", std::string(heads.status().message())}});
     return absl::OkStatus();
   }
   if (!heads.ok()) return heads.status();
@@ -86,7 +86,9 @@ absl::Status SceneStorage::ReadHeadsFile() {
 std::vector<RestoredScene> SceneStorage::Restore(BlobStore& blobs, const SceneLimits& limits) {
   std::vector<RestoredScene> restored;
   const auto files = directory_->SceneFiles();
-  if (!files.ok()) report_(absl::StrCat("scenes: ", files.status().message()));
+  if (!files.ok()) {
+    logger_.Error("scenes_unreadable", {{"error", std::string(files.status().message())}});
+  }
   KnownHeads without_file = heads_;
   if (files.ok()) {
     for (const auto& [scene_id, number] : *files) {
@@ -103,8 +105,9 @@ std::vector<RestoredScene> SceneStorage::Restore(BlobStore& blobs, const SceneLi
     if (scene.status.ok()) {
       Note(*scene.log, scene.scene->revision());
     } else {
-      report_(absl::StrCat("scene ", scene.scene_id,
-                           " is refused and left as it is: ", scene.status.message()));
+      // It is left as it is.
+      logger_.Error("scene_refused", {{"scene", scene.scene_id},
+                                      {"error", std::string(scene.status.message())}});
     }
   }
   return restored;
@@ -122,10 +125,9 @@ RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t n
   if ((*file)->identity().scene_id != scene_id) return refuse(Damaged("another scene's file"));
   if (auto status = CheckAgainstHeads(**file); !status.ok()) return refuse(status);
   if ((*file)->had_torn_tail()) {
-    report_(absl::StrCat("scene ", scene_id,
-                         ": the last transaction was incomplete, as after a loss "
-                         "of power, and is left out; it is at revision ",
-                         (*file)->head().revision));
+    // As after a loss of power. What was in it was not acknowledged, or the heads would know.
+    logger_.Warning("torn_transaction_dropped",
+                    {{"scene", scene_id}, {"revision", (*file)->head().revision}});
   }
   const auto state = (*file)->StateAt((*file)->head().revision);
   if (!state.ok()) return refuse(state.status());
@@ -223,7 +225,7 @@ void SceneStorage::WriteHeadsLater() {
     if (!are_heads_new_) continue;
     lock.unlock();
     if (auto status = WriteHeadsNow(); !status.ok()) {
-      report_(absl::StrCat("heads: ", status.message()));
+      logger_.Warning("heads_not_written", {{"error", std::string(status.message())}});
     }
     lock.lock();
   }

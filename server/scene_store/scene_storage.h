@@ -1,12 +1,11 @@
 // Scenes and blobs on disk, for a server that keeps them there.
 //
-//   auto storage = SceneStorage::Open(folder, {}, report);
+//   auto storage = SceneStorage::Open(folder, {}, logger);
 //   for (RestoredScene& restored : (*storage)->Restore(blobs, limits)) …
 //   auto log = (*storage)->Create("studio");
 #pragma once
 
 #include <condition_variable>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -15,6 +14,7 @@
 
 #include "absl/status/statusor.h"
 #include "render/engine/worker_pool.h"
+#include "server/log/logger.h"
 #include "server/scene_store/blob_store.h"
 #include "server/scene_store/scene_log.h"
 #include "server/storage/blob_files.h"
@@ -34,13 +34,10 @@ struct RestoredScene {
 
 class SceneStorage {
  public:
-  // Told, in a line, of what an operator should know. Any thread calls it.
-  using Report = std::function<void(const std::string&)>;
-
   // Errors  those of DataDirectory
   static absl::StatusOr<std::unique_ptr<SceneStorage>> Open(const std::string& folder,
                                                             const SceneLogOptions& options,
-                                                            Report report);
+                                                            Logger& logger);
   ~SceneStorage();
   // Waits for the tasks that run, and drops those that do not yet.
   void Stop() { workers_.Stop(); }
@@ -64,7 +61,7 @@ class SceneStorage {
 
  private:
   SceneStorage(std::unique_ptr<DataDirectory> directory, const SceneLogOptions& options,
-               Report report);
+               Logger& logger);
   RestoredScene RestoreScene(const std::string& scene_id, uint64_t number, BlobStore& blobs,
                              const SceneLimits& limits);
   absl::Status CheckAgainstHeads(const SceneFile& file) const;
@@ -74,7 +71,7 @@ class SceneStorage {
 
   const std::unique_ptr<DataDirectory> directory_;
   const SceneLogOptions options_;
-  const Report report_;
+  Logger& logger_;
   BlobFiles blob_files_;
 
   std::mutex writing_;  // held while the heads are written; taken before mutex_

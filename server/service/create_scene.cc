@@ -7,7 +7,7 @@ namespace penumbra {
 grpc::ServerUnaryReactor* PenumbraService::CreateScene(Context* context, const Bytes* request,
                                                        Bytes* response) {
   return AnswerUnaryOn<v1::CreateSceneRequest>(
-      parts_.sessions.scenes.storage_lane(), context, parts_.sessions.limits, request, response,
+      parts_.sessions.scenes.storage_lane(), parts_, context, request, response,
       [this](const v1::CreateSceneRequest& message) -> absl::StatusOr<v1::CreateSceneResponse> {
         const auto info = parts_.sessions.scenes.Create(message.scene_id());
         if (!info.ok()) return info.status();

@@ -8,6 +8,7 @@
 #include "render/math/hand_over.h"
 #include "render/scene/blob.h"
 #include "render/scene/field_error.h"
+#include "server/service/call_record.h"
 #include "server/service/idle_timer.h"
 #include "server/service/penumbra_service.h"
 #include "server/session/bounded_parse.h"
@@ -29,14 +30,14 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   void Start(const grpc::ByteBuffer& request) {
     v1::DownloadBlobRequest message;
     if (auto status = ParseBounded(request, parts_.sessions.limits, message); !status.ok()) {
-      return End(ToGrpcStatus(status));
+      return End(status);
     }
     const auto hash = HashFromProto(message.hash(), "hash");
-    if (!hash.ok()) return End(ToGrpcStatus(hash.status()));
+    if (!hash.ok()) return End(hash.status());
     auto content = parts_.sessions.blobs.FindBlob(*hash);
     if (!content) {
-      return End(ToGrpcStatus(FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "hash",
-                                         "found " + hash->hex() + ", need a stored blob")));
+      return End(FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "hash",
+                            "found " + hash->hex() + ", need a stored blob"));
     }
     blob_.emplace(*std::move(content));
     SendNext();
@@ -45,7 +46,7 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   void OnWriteDone(bool ok) override {
     callbacks_.Take();
     timer_->Touch();
-    if (!ok) return End(grpc::Status::CANCELLED);
+    if (!ok) return End(absl::CancelledError("the client is gone"));
     SendNext();
   }
 
@@ -56,13 +57,14 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   }
 
  private:
-  void End(const grpc::Status& status) {
+  void End(const absl::Status& status) {
+    record_.End(status);
     callbacks_.Give();
-    Finish(status);
+    Finish(ToGrpcStatus(status));
   }
 
   void SendNext() {
-    if (sent_ == blob_->size()) return End(grpc::Status::OK);
+    if (sent_ == blob_->size()) return End(absl::OkStatus());
     const size_t size = std::min(chunk_bytes_, blob_->size() - sent_);
     v1::DownloadBlobResponse response;
     if (sent_ == 0) response.set_size_bytes(blob_->size());
@@ -77,6 +79,7 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
 
   HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   const ServiceParts& parts_;
+  CallRecord record_{parts_.sessions.counters, parts_.logger, "DownloadBlob"};
   const size_t chunk_bytes_;
   const std::shared_ptr<IdleTimer> timer_;
   std::optional<EncodedBlob> blob_;

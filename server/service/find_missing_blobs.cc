@@ -34,8 +34,7 @@ absl::StatusOr<v1::FindMissingBlobsResponse> FindMissing(
 grpc::ServerUnaryReactor* PenumbraService::FindMissingBlobs(Context* context, const Bytes* request,
                                                             Bytes* response) {
   return AnswerUnary<v1::FindMissingBlobsRequest>(
-      context, parts_.sessions.limits, request, response,
-      [&](const v1::FindMissingBlobsRequest& message) {
+      parts_, context, request, response, [&](const v1::FindMissingBlobsRequest& message) {
         return FindMissing(parts_.sessions.blobs, parts_.sessions.limits, message);
       });
 }

@@ -12,7 +12,7 @@ namespace penumbra {
 grpc::ServerUnaryReactor* PenumbraService::ListScenes(Context* context, const Bytes* request,
                                                       Bytes* response) {
   return AnswerUnary<v1::ListScenesRequest>(
-      context, parts_.sessions.limits, request, response,
+      parts_, context, request, response,
       [&](const v1::ListScenesRequest&) -> absl::StatusOr<v1::ListScenesResponse> {
         const auto infos = parts_.sessions.scenes.List();
         if (!infos.ok()) return infos.status();

@@ -9,7 +9,7 @@ namespace penumbra {
 grpc::ServerUnaryReactor* PenumbraService::ListTechniques(Context* context, const Bytes* request,
                                                           Bytes* response) {
   return AnswerUnary<v1::ListTechniquesRequest>(
-      context, parts_.sessions.limits, request, response,
+      parts_, context, request, response,
       [](const v1::ListTechniquesRequest&) -> absl::StatusOr<v1::ListTechniquesResponse> {
         v1::ListTechniquesResponse list;
         for (auto& technique : AllTechniqueInfos()) *list.add_techniques() = std::move(technique);

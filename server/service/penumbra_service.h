@@ -11,6 +11,7 @@
 #include "penumbra/v1/service.grpc.pb.h"
 #include "render/engine/local_engine.h"
 #include "render/engine/worker_pool.h"
+#include "server/log/logger.h"
 #include "server/session/session.h"
 #include "server/session/session_table.h"
 
@@ -24,6 +25,7 @@ struct ServiceParts {
   WorkerPool::Lane& blob_workers;  // for blobs that take longer than a gRPC thread should be kept
   std::function<v1::GlInfo()> gl_info;
   std::chrono::steady_clock::time_point started;
+  Logger& logger;
 };
 
 namespace raw {
@@ -34,7 +36,8 @@ using Scenes = v1::PenumbraService::WithRawCallbackMethod_CreateScene<
         v1::PenumbraService::WithRawCallbackMethod_DeleteScene<T>>>;
 template <typename T>
 using Infos = v1::PenumbraService::WithRawCallbackMethod_GetServerInfo<
-    v1::PenumbraService::WithRawCallbackMethod_ListTechniques<T>>;
+    v1::PenumbraService::WithRawCallbackMethod_GetServerStatus<
+        v1::PenumbraService::WithRawCallbackMethod_ListTechniques<T>>>;
 template <typename T>
 using Blobs = v1::PenumbraService::WithRawCallbackMethod_FindMissingBlobs<
     v1::PenumbraService::WithRawCallbackMethod_UploadBlob<
@@ -54,6 +57,7 @@ class PenumbraService final : public raw::Service {
   grpc::ServerUnaryReactor* ListScenes(Context*, const Bytes*, Bytes*) override;
   grpc::ServerUnaryReactor* DeleteScene(Context*, const Bytes*, Bytes*) override;
   grpc::ServerUnaryReactor* GetServerInfo(Context*, const Bytes*, Bytes*) override;
+  grpc::ServerUnaryReactor* GetServerStatus(Context*, const Bytes*, Bytes*) override;
   grpc::ServerUnaryReactor* ListTechniques(Context*, const Bytes*, Bytes*) override;
   grpc::ServerUnaryReactor* FindMissingBlobs(Context*, const Bytes*, Bytes*) override;
   grpc::ServerReadReactor<Bytes>* UploadBlob(Context*, Bytes* response) override;

@@ -6,6 +6,7 @@
 
 #include "proto/convert/status_convert.h"
 #include "render/math/hand_over.h"
+#include "server/service/call_record.h"
 #include "server/service/penumbra_service.h"
 
 namespace penumbra {
@@ -23,7 +24,9 @@ struct Gate {
 class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
   SessionReactor(const ServiceParts& parts, grpc::CallbackServerContext& context)
-      : context_(context), gate_(std::make_shared<Gate>()) {
+      : record_(parts.sessions.counters, parts.logger, "Session"),
+        context_(context),
+        gate_(std::make_shared<Gate>()) {
     gate_->reactor = this;
     session_ = Session::Create(
         parts.sessions,
@@ -99,15 +102,18 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
     if (output.message) {
       is_writing_ = true;
       response_ = *std::move(output.message);
+      session_->record().CountSent(response_.Length());
       callbacks_.Give();
       StartWrite(&response_);
     } else if (output.end) {
       is_finished_ = true;
+      record_.End(*output.end);
       callbacks_.Give();
       Finish(ToGrpcStatus(*output.end));
     }
   }
 
+  CallRecord record_;
   HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   grpc::CallbackServerContext& context_;
   const std::shared_ptr<Gate> gate_;

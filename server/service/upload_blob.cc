@@ -6,6 +6,7 @@
 #include "proto/convert/status_convert.h"
 #include "render/math/hand_over.h"
 #include "render/scene/field_error.h"
+#include "server/service/call_record.h"
 #include "server/service/idle_timer.h"
 #include "server/service/penumbra_service.h"
 #include "server/session/bounded_parse.h"
@@ -99,6 +100,7 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   // Gives the reservation back before the client can hear of the refusal.
   void Refuse(const absl::Status& status) {
     upload_.reset();
+    record_.End(status);
     callbacks_.Give();
     Finish(ToGrpcStatus(status));
   }
@@ -109,12 +111,14 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
                                "found the end of the call, need the blob's rest"));
     }
     *response_bytes_ = ToBytes(response_);
+    record_.End(absl::OkStatus());
     callbacks_.Give();
     Finish(grpc::Status::OK);
   }
 
   HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   const ServiceParts& parts_;
+  CallRecord record_{parts_.sessions.counters, parts_.logger, "UploadBlob"};
   grpc::ByteBuffer* const response_bytes_;
   const std::shared_ptr<IdleTimer> timer_;
   grpc::ByteBuffer bytes_;

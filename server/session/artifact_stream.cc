@@ -67,9 +67,12 @@ void ArtifactStream::Publish(const ArtifactUpdate& update) {
   absl::Status status = update.status;
   if (update.artifact && (!artifact || artifact->artifact != update.artifact)) {
     const uint64_t sequence = artifact ? artifact->sequence + 1 : 1;
+    const auto start = std::chrono::steady_clock::now();
     try {
       artifact = services_.encoder.Encode(artifact.get(), update.artifact, sequence);
       ++services_.counters.artifacts_encoded;
+      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+      services_.counters.encode_seconds.Observe(took.count());
     } catch (const std::bad_alloc&) {
       status = absl::ResourceExhaustedError("out of memory for the encoded artifact");
     }

@@ -22,7 +22,8 @@ Session::Session(const SessionServices& services, std::function<void()> wake, Le
     : services_(services),
       wake_(std::move(wake)),
       let_go_(std::move(let_go)),
-      viewer_(std::to_string(++services.counters.sessions_made)),
+      record_(services.ledger.Open()),
+      viewer_(std::to_string(record_->number())),
       mirror_(services.limits.max_message_bytes) {}
 
 std::shared_ptr<Session> Session::Create(const SessionServices& services,
@@ -70,7 +71,7 @@ Session::Output Session::Choose() {
   }
   last_fed_ = feed->id();
   auto message = feed->NextMessage();
-  if (message.ends_update) ++services_.counters.updates_sent;
+  if (message.ends_update) record_->CountUpdate(message.skipped_updates);
   return {.message = std::move(message.bytes), .end = {}};
 }
 
@@ -162,6 +163,7 @@ void Session::End(const absl::Status& status) {
     if (end_) return;
     end_ = status;
   }
+  record_->End(status);
   wake_();
 }
 
@@ -187,6 +189,7 @@ void Session::Release(std::unique_ptr<SubscriptionFeed> feed) {
   feed->stream().RemoveListener(this);
   feed.reset();
   --services_.counters.open_subscriptions;
+  record_->CountSubscriptions(-1);
 }
 
 void Session::OnScene(std::shared_ptr<const Scene> scene) {

@@ -23,6 +23,7 @@
 #include "grpcpp/support/byte_buffer.h"
 #include "penumbra/v1/session.pb.h"
 #include "server/session/scene_mirror.h"
+#include "server/session/session_ledger.h"
 #include "server/session/session_services.h"
 #include "server/session/subscription_feed.h"
 
@@ -64,6 +65,9 @@ class Session : public SceneWatcher,
   void OnSceneDeleted(const absl::Status& reason) override;
   void OnStreamChanged() override { wake_(); }
   void OnPresenceChanged() override;
+
+  // For whoever carries its messages.
+  SessionRecord& record() { return *record_; }
 
  private:
   struct Reply {
@@ -111,6 +115,7 @@ class Session : public SceneWatcher,
   const SessionServices services_;
   const std::function<void()> wake_;
   const LetGo let_go_;
+  const std::shared_ptr<SessionRecord> record_;
   const std::string viewer_;  // the engine's name for who is behind this session
 
   // Set by the hello, then read only by OnRequest's thread.

@@ -47,6 +47,7 @@ absl::Status Session::OnHello(const v1::Hello& hello) {
   scene_id_ = hello.scene_id();
   incarnation_ = watched->incarnation;
   client_name_ = hello.client_name();
+  record_->Greet(scene_id_, client_name_);
   room_ = services_.presence.RoomOf(incarnation_);
   const auto welcome = std::make_shared<Reply>(
       Reply{.response = MakeWelcome(*watched->scene, kProtocolVersion), .is_ready = false});

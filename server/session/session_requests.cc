@@ -40,6 +40,7 @@ void Session::OnRequest(const grpc::ByteBuffer& bytes) {
   absl::Status status = ParseBounded(bytes, services_.limits, request);
   if (status.ok()) status = Dispatch(request);
   if (status.ok()) return;
+  record_->Refuse("request", status);
   v1::SessionResponse response;
   *response.mutable_session_error()->mutable_error() = ToProto(status);
   Push(std::move(response));
@@ -120,7 +121,9 @@ void Session::AnswerCommit(Reply& reply, const absl::StatusOr<CommitOutcome>& ou
   if (outcome.ok()) {
     result.set_revision(outcome->revision);
     result.set_content_hash(ToProto(outcome->content_hash));
+    record_->CountCommit();
   } else {
+    record_->Refuse("commit", outcome.status());
     *result.mutable_error() = ToProto(outcome.status());
     if (const auto scene = services_.scenes.Snapshot(scene_id_); scene.ok()) {
       result.set_revision((*scene)->revision());
@@ -143,7 +146,10 @@ void Session::OnSubscribe(const v1::Subscribe& subscribe) {
   v1::SubscribeResult& result = *reply->response.mutable_subscribe_result();
   result.set_subscription_id(subscribe.subscription_id());
   auto feed = MakeFeed(subscribe);
-  if (!feed.ok()) *result.mutable_error() = ToProto(feed.status());
+  if (!feed.ok()) {
+    record_->Refuse("subscribe", feed.status());
+    *result.mutable_error() = ToProto(feed.status());
+  }
   {
     // The feed and the reply at once: no update may go out before the reply.
     std::lock_guard lock(mutex_);
@@ -152,6 +158,7 @@ void Session::OnSubscribe(const v1::Subscribe& subscribe) {
     if (feed.ok()) {
       feeds_[subscribe.subscription_id()] = *std::move(feed);
       ++services_.counters.open_subscriptions;
+      record_->CountSubscriptions(1);
     }
   }
   wake_();

@@ -7,6 +7,7 @@
 #include "server/scene_store/scene_store.h"
 #include "server/session/artifact_stream.h"
 #include "server/session/presence.h"
+#include "server/session/session_ledger.h"
 
 namespace penumbra {
 
@@ -18,6 +19,7 @@ struct SessionServices {
   PresenceTable& presence;
   const ServerLimits& limits;
   ServerCounters& counters;
+  SessionLedger& ledger;
 };
 
 }  // namespace penumbra

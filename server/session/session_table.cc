@@ -49,6 +49,11 @@ absl::Status SessionTable::Add(std::weak_ptr<Session> session) {
   return absl::OkStatus();
 }
 
+void SessionTable::Close(const absl::Status& status) {
+  std::lock_guard lock(mutex_);
+  ended_ = status;
+}
+
 void SessionTable::EndAll(const absl::Status& status) {
   std::vector<std::weak_ptr<Session>> sessions;
   {

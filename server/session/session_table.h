@@ -20,6 +20,8 @@ class SessionTable {
 
   // Errors  kResourceExhausted QUOTA_SESSIONS; after EndAll, its status
   absl::Status Add(std::weak_ptr<Session> session);
+  // Lets no more sessions in: they end with `status`.
+  void Close(const absl::Status& status);
   // Ends all sessions, those to come included.
   void EndAll(const absl::Status& status);
 

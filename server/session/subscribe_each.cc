@@ -64,6 +64,7 @@ void Session::OnSubscribeEach(const v1::SubscribeEach& request) {
     result.clear_light_ids();
     result.clear_receiver_ids();
     *result.mutable_error() = ToProto(feeds.status());
+    record_->Refuse("subscribe_each", feeds.status());
   }
   {
     // The feeds and the reply at once: no update may go out before the reply.
@@ -72,6 +73,7 @@ void Session::OnSubscribeEach(const v1::SubscribeEach& request) {
     ++unsent_subscribe_results_;
     if (feeds.ok()) {
       services_.counters.open_subscriptions += feeds->size();
+      record_->CountSubscriptions(static_cast<int64_t>(feeds->size()));
       for (auto& feed : *feeds) {
         const uint64_t id = feed->id();
         feeds_[id] = std::move(feed);

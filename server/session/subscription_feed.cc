@@ -51,7 +51,9 @@ bool SubscriptionFeed::HasMessage() const {
 
 void SubscriptionFeed::BeginUpdate() {
   sending_ = stream_->Latest();
-  if (sent_number_ > 0) skipped_ += sending_.number - sent_number_ - 1;
+  // What came before the subscription was not for it.
+  skipped_ = sent_number_ == 0 ? 0 : sending_.number - sent_number_ - 1;
+  all_skipped_ += skipped_;
   sent_number_ = sending_.number;
   --credit_;
   sends_artifact_ =
@@ -63,10 +65,12 @@ void SubscriptionFeed::BeginUpdate() {
 
 std::optional<uint64_t> SubscriptionFeed::TakeSkipped(std::chrono::steady_clock::time_point now) {
   constexpr std::chrono::seconds kInterval{1};
-  if (in_update() || skipped_ == told_skipped_ || now - told_at_ < kInterval) return std::nullopt;
-  told_skipped_ = skipped_;
+  if (in_update() || all_skipped_ == told_skipped_ || now - told_at_ < kInterval) {
+    return std::nullopt;
+  }
+  told_skipped_ = all_skipped_;
   told_at_ = now;
-  return skipped_;
+  return all_skipped_;
 }
 
 SubscriptionFeed::Message SubscriptionFeed::NextMessage() {
@@ -84,7 +88,8 @@ SubscriptionFeed::Message SubscriptionFeed::NextMessage() {
   shared.slices[0] = grpc::Slice(
       FieldPrefix(v1::SessionResponse::kArtifactUpdateFieldNumber, own.size() + shared.bytes) +
       own);
-  return {grpc::ByteBuffer(shared.slices.data(), shared.slices.size()), is_last};
+  return {grpc::ByteBuffer(shared.slices.data(), shared.slices.size()), is_last,
+          is_last ? skipped_ : 0};
 }
 
 void SubscriptionFeed::BeginMessages(v1::ArtifactUpdate& fields, SharedSlices& shared) const {

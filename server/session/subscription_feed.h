@@ -43,6 +43,7 @@ class SubscriptionFeed {
   struct Message {
     grpc::ByteBuffer bytes;  // a v1::SessionResponse
     bool ends_update = false;
+    uint64_t skipped_updates = 0;  // with the end: how many this one took the place of
   };
   // Only where HasMessage().
   Message NextMessage();
@@ -80,6 +81,7 @@ class SubscriptionFeed {
   StreamState sending_;
   bool sends_artifact_ = false;
   bool is_first_message_ = false;
+  uint64_t skipped_ = 0;
   uint64_t base_ = 0;
   size_t next_tile_ = 0;
 };

@@ -13,6 +13,14 @@ LIMITS_PAGE = "docs/limits.md"
 SECTIONS = {"Of a scene": "render/scene/scene_limits.h", "Of a server": "server/limits.h"}
 FIELD = re.compile(r"^  [\w:]+ (max_\w+)(?: = |\{)([^;]+?)\}?;", re.M)
 ROW = re.compile(r"^\| `(\w+)` \| ([^|]+) \|", re.M)
+OPERATIONS_PAGE = "docs/operations.md"
+# Section of the page → which files of the server say the names, and how.
+TOLD = {"Options": ("options.cc", r"add_(?:option|flag)\(\s*\"--([\w-]+)\""),
+        "Log": ("**/*.cc", r"\b(?:(?:Debug|Info|Warning|Error)\(|Write(?:Line)?\([\w:]+,)\s*"
+                           r"\"(\w+)\""),
+        "Metrics": ("**/*[.]*", r"\"(penumbra_\w+)\"")}
+NOT_IN_TABLE = {"config", "print-config"}
+TABLE_NAME = re.compile(r"^\| `([\w-]+)` \|", re.M)
 LINK = re.compile(r"\[[^\]]*\]\(([^)#\s]+)(?:#[^)]*)?\)")
 
 
@@ -54,6 +62,19 @@ def check_limits(root):
         yield f"{LIMITS_PAGE}: {name}, which the server reports, is missing"
 
 
+def check_operations(root):
+    page = (root / OPERATIONS_PAGE).read_text()
+    for section, (sources, pattern) in TOLD.items():
+        part = page.split(f"## {section}\n", 1)[-1].split("\n## ", 1)[0]
+        stated = set(TABLE_NAME.findall(part))
+        told = {name for source in (root / "server").glob(sources) if source.is_file()
+                for name in re.findall(pattern, source.read_text())} - NOT_IN_TABLE
+        for name in sorted(told - stated):
+            yield f"{OPERATIONS_PAGE}: {section}: {name} is missing"
+        for name in sorted(stated - told):
+            yield f"{OPERATIONS_PAGE}: {section}: {name} is nowhere in server/"
+
+
 def check_links(root):
     for path in source_tree.files(root, ".md"):
         for target in LINK.findall((root / path).read_text()):
@@ -71,7 +92,7 @@ def check_records(root):
 
 def check(root):
     root = pathlib.Path(root)
-    return [*check_limits(root), *check_links(root), *check_records(root)]
+    return [*check_limits(root), *check_operations(root), *check_links(root), *check_records(root)]
 
 
 if __name__ == "__main__":

@@ -180,16 +180,38 @@ class DocsTest(TreeTest):
                    "uint32 max_lights = 4;\nuint64 max_blob_bytes = 15;\n")
         self.write("docs/adr/README.md", "[0001](0001-a.md)\n")
         self.write("docs/adr/0001-a.md", "# 0001\n")
+        self.write("server/options.cc", 'app.add_option("--threads", command.threads);\n')
+        self.write("server/log.cc", 'logger.Info("started", {});\nlogger.Write(level, "ended", f);\n')
+        self.write("server/metrics/all.cc", 'Add("penumbra_scenes", "Scenes");\n')
+        self.operations(["threads"], ["started", "ended"], ["penumbra_scenes"])
         self.page(1024, "| `max_blob_bytes` | 1073741824 |")
 
     def page(self, lights, server):
         self.write("docs/limits.md", self.PAGE.format(lights=lights, server=server))
+
+    def operations(self, *tables):
+        text = ""
+        for section, names in zip(("Options", "Log", "Metrics"), tables):
+            text += f"## {section}\n\n" + "".join(f"| `{name}` | what |\n" for name in names) + "\n"
+        self.write("docs/operations.md", text)
 
     def found(self):
         return check_docs.check(self.root)
 
     def test_clean_tree(self):
         self.assertEqual(self.found(), [])
+
+    def test_options_events_and_metrics_that_are_not_told(self):
+        self.operations([], ["started", "ended"], ["penumbra_scenes"])
+        self.assert_finds(self.found(), "Options: threads is missing")
+        self.operations(["threads"], ["started"], ["penumbra_scenes"])
+        self.assert_finds(self.found(), "Log: ended is missing")
+        self.operations(["threads"], ["started", "ended"], [])
+        self.assert_finds(self.found(), "Metrics: penumbra_scenes is missing")
+
+    def test_options_that_are_invented(self):
+        self.operations(["threads", "moons"], ["started", "ended"], ["penumbra_scenes"])
+        self.assert_finds(self.found(), "Options: moons is nowhere in server/")
 
     def test_limit_that_differs(self):
         self.page(1025, "| `max_blob_bytes` | 1073741824 |")

@@ -257,5 +257,40 @@ TEST_F(CommandsTest, TechniquesAndInfoReadTheSameHereAndOnAServer) {
       "max_light_samples"));
 }
 
+TEST_F(CommandsTest, InfoSumsUpAServer) {
+  const std::string address = StartServer();
+  const std::string text = Run({"info", "--server", address}).out;
+  EXPECT_THAT(text, HasSubstr(" at " + address + ", serving degraded, up 00:00:0"));
+  EXPECT_THAT(text, HasSubstr("OpenGL: none: switched off"));
+  EXPECT_THAT(text, HasSubstr(std::to_string(AllTechniques().size()) + " techniques, 0 sessions"));
+  const Json json = Json::parse(Run({"info", "--json", "--server", address}).out, nullptr, false);
+  EXPECT_EQ(json["techniques"].size(), AllTechniques().size());
+}
+
+TEST_F(CommandsTest, TopShowsScenesAndClientsWithTheirRates) {
+  const std::string address = StartServer();
+  ASSERT_EQ(Run({"push", scene_, "--server", address, "--scene", "studio"}).exit_status, 0);
+  const pid_t watch = Start({"watch", "--server", address, "--scene", "studio"}, "watch");
+  bool has_client = false;
+  for (int i = 0; i < 400 && !has_client; ++i) {
+    const Finished top = Run({"top", "--server", address, "--once", "--json"});
+    has_client = Json::parse(top.out, nullptr, false)["clients"].size() == 1;
+  }
+  ASSERT_TRUE(has_client);
+  const Finished top = Run({"top", "--server", address, "--once", "--interval", "0.2"});
+  EXPECT_EQ(top.exit_status, 0) << top.err;
+  EXPECT_THAT(top.out, HasSubstr("SCENE"));
+  EXPECT_THAT(top.out, HasSubstr("\nstudio "));
+  EXPECT_THAT(top.out, HasSubstr(" penumbra "));
+  EXPECT_THAT(top.out, HasSubstr("a second: 0.0 commits"));
+  EXPECT_EQ(top.out.find('\x1b'), std::string::npos) << "no terminal, no escapes";
+  const pid_t live = Start({"top", "--server", address, "--interval", "0.1"}, "live");
+  EXPECT_TRUE(WaitForOutput("live", "a second: 0.0"));
+  kill(live, SIGINT);
+  EXPECT_EQ(Wait(live, "live").exit_status, 0);
+  kill(watch, SIGINT);
+  Wait(watch, "watch");
+}
+
 }  // namespace
 }  // namespace penumbra::testing

@@ -15,6 +15,7 @@
 #include "render/scene/field_error.h"
 #include "tests/integration/service/daemon.h"
 #include "tests/integration/service/studio.h"
+#include "tests/support/event_log.h"
 #include "tests/support/faulty_vfs.h"
 #include "tests/support/temporary_folder.h"
 
@@ -34,10 +35,7 @@ class DurableScenesTest : public ::testing::Test {
     client_.reset();
     server_.reset();
     options_.data_dir = folder_ / "data";
-    options_.report = [this](const std::string& line) {
-      std::lock_guard lock(mutex_);
-      reports_ += line + "\n";
-    };
+    options_.logger = &logger_;
     server_ = StartServer(options_);
     client_ = std::make_unique<WireClient>(server_->address());
   }
@@ -59,15 +57,9 @@ class DurableScenesTest : public ::testing::Test {
   std::string SceneFileOf(const std::string& id) {
     return folder_ / ("data/scenes/" + id + "~1.db");
   }
-  std::string reports() {
-    std::lock_guard lock(mutex_);
-    return reports_;
-  }
-
   TemporaryFolder folder_;
   ServerOptions options_;
-  std::mutex mutex_;
-  std::string reports_;
+  EventLog logger_;
   std::unique_ptr<PenumbraServer> server_;
   std::unique_ptr<WireClient> client_;
   std::unique_ptr<WireSession> session_;
@@ -130,7 +122,7 @@ TEST_F(DurableScenesTest, D04ADamagedSceneIsRefusedAndTheOthersAreServed) {
   damaged[lamp] = 'd';
   std::ofstream(file, std::ios::binary) << damaged;
   Restart();
-  EXPECT_THAT(reports(), HasSubstr("scene bad is refused"));
+  EXPECT_THAT(logger_.text(), HasSubstr("scene_refused scene=bad"));
   EXPECT_EQ(client_->FindScene("good")->revision, 1u);
   EXPECT_EQ(EndOfSession("bad").code(), absl::StatusCode::kDataLoss);
   EXPECT_EQ(client_->CreateScene("bad").code(), absl::StatusCode::kAlreadyExists);
@@ -154,14 +146,14 @@ TEST_F(DurableScenesTest, D03WhatHeadsKnowOfIsMissed) {
   fs::copy_file(SceneFileOf("studio"), kept);
   Restart();
   session_ = client_->OpenSession("studio");
-  ASSERT_EQ(session_->Commit(MoveBox({1, 1, 1})).revision(), 2u) << reports();
+  ASSERT_EQ(session_->Commit(MoveBox({1, 1, 1})).revision(), 2u);
   session_.reset();
   server_.reset();
   fs::copy_file(kept, SceneFileOf("studio"), fs::copy_options::overwrite_existing);
   fs::remove(SceneFileOf("gone"));
   Restart();
-  EXPECT_THAT(reports(), HasSubstr("scene studio is refused"));
-  EXPECT_THAT(reports(), HasSubstr("scene gone is refused"));
+  EXPECT_THAT(logger_.text(), HasSubstr("scene_refused scene=studio"));
+  EXPECT_THAT(logger_.text(), HasSubstr("scene_refused scene=gone"));
   EXPECT_EQ(EndOfSession("studio").code(), absl::StatusCode::kDataLoss);
 }
 

@@ -1,0 +1,33 @@
+// What was asked for of those commands that only tell something.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace penumbra {
+
+// Where shadows are computed.
+struct EngineChoice {
+  std::string server;    // "host:port"; empty: in this process
+  uint32_t threads = 0;  // of the engine in this process; 0: one a core
+};
+
+struct TechniquesCommand {
+  EngineChoice engine;
+  bool json = false;
+};
+
+struct InfoCommand {
+  EngineChoice engine;
+  bool json = false;
+};
+
+struct TopCommand {
+  EngineChoice engine;
+  uint32_t rows = 20;       // of scenes, and of clients
+  double interval_s = 1.0;  // between looks
+  bool once = false;
+  bool json = false;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,27 @@
+// What a server says of itself, as JSON.
+//
+//   auto status = AskServer("127.0.0.1:7717", &RemoteEngine::ServerStatusJson);
+//   double commits = NumberAt((*status)["statistics"], "commits");
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "client/session/remote_engine.h"
+
+namespace penumbra {
+
+// Errors  those of RemoteEngine; kInternal: the answer is no JSON
+absl::StatusOr<nlohmann::ordered_json> AskServer(
+    const std::string& address, absl::StatusOr<std::string> (RemoteEngine::*ask)());
+
+// The same of a server that is connected to.
+absl::StatusOr<nlohmann::ordered_json> AskServer(
+    RemoteEngine& engine, absl::StatusOr<std::string> (RemoteEngine::*ask)());
+
+// A number that may be written as a text, as protobuf writes those of 64 bits; 0 where there is
+// none.
+double NumberAt(const nlohmann::ordered_json& object, const char* name);
+
+}  // namespace penumbra

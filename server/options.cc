@@ -1,0 +1,106 @@
+#include "server/options.h"
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+#include "server/server_identity.h"
+
+namespace penumbra {
+namespace {
+
+constexpr char kSources[] =
+    "Every option can also be given by the environment, --drain-seconds as PENUMBRA_DRAIN_SECONDS, "
+    "and by the file of --config, as drain-seconds = 5. The command line goes before the "
+    "environment, and that before the file.";
+
+void AddServing(CLI::App& app, ServerOptions& server) {
+  app.add_option("--listen", server.listen,
+                 "Address: loopback, port 0 for a free one, or unix:PATH");
+  app.add_option("--threads", server.threads, "Threads that compute; 0: all cores")
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--runners", server.runners,
+                 "Artifacts that are computed at a time, besides one final picture")
+      ->check(CLI::Range(1, 64));
+  app.add_option("--egl-device", server.egl_device,
+                 "EGL device, by number or part of its name; default: the first hardware device, "
+                 "else software");
+  app.add_option("--data-dir", server.data_dir,
+                 "Folder to keep scenes in, which are there again when the server starts anew; "
+                 "default: none is kept");
+  app.add_flag("--reflection", server.reflection, "Let clients ask for the service's description");
+}
+
+void AddOperations(CLI::App& app, CommandLine& command) {
+  app.add_option("--log-format", command.log_format, "How the log on stderr is written")
+      ->check(CLI::IsMember({"text", "json"}));
+  app.add_option("--log-level", command.log_level, "The least that is logged")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
+  app.add_option("--metrics-listen", command.server.metrics_listen,
+                 "Serve metrics to Prometheus at this address of loopback, such as "
+                 "127.0.0.1:9464; default: nowhere");
+  app.add_option("--drain-seconds", command.drain_seconds,
+                 "How long calls may take to end after SIGTERM; a second SIGTERM ends at once")
+      ->check(CLI::Range(0, 3600));
+  app.add_option(
+      "--address-file", command.address_file,
+      "Write the address to this file once the server listens; removed when it stops listening");
+}
+
+void AddOptions(CLI::App& app, CommandLine& command) {
+  app.option_defaults()->always_capture_default();
+  AddServing(app, command.server);
+  AddOperations(app, command);
+}
+
+// What ends the program instead of telling it how to serve; not to be had from the other sources.
+struct Ending {
+  std::string config;
+  bool prints_config = false;
+};
+
+void AddEnding(CLI::App& app, Ending& ending) {
+  app.add_option("--config", ending.config, "Read options from this TOML file")
+      ->configurable(false)
+      ->type_name("FILE");
+  app.add_flag("--print-config", ending.prints_config,
+               "Print the options' values, in the form of that file, with where they come from")
+      ->configurable(false);
+  app.set_version_flag("--version", kServerName);
+  app.footer(kSources);
+}
+
+absl::Status ReadSources(const Environment& environment, std::string config,
+                         OptionSources& sources) {
+  if (auto status = sources.ReadEnvironment(environment); !status.ok()) return status;
+  if (config.empty()) config = environment(EnvironmentName("config"));
+  return config.empty() ? absl::OkStatus() : sources.ReadFile(config);
+}
+
+}  // namespace
+
+absl::StatusOr<CommandLine> ReadOptions(const std::vector<std::string>& arguments,
+                                        const Environment& environment) {
+  CLI::App app{"Penumbra server: computes soft shadows for the scenes that clients stream to it.",
+               "penumbrad"};
+  CommandLine command;
+  Ending ending;
+  AddOptions(app, command);
+  AddEnding(app, ending);
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::CallForHelp&) {
+    command.text = app.help();
+    return command;
+  } catch (const CLI::CallForVersion&) {
+    command.text = std::string(kServerName) + "\n";
+    return command;
+  } catch (const CLI::ParseError& error) {
+    return absl::InvalidArgumentError(std::string("command line: ") + error.what());
+  }
+  OptionSources sources(app);
+  if (auto status = ReadSources(environment, ending.config, sources); !status.ok()) return status;
+  if (ending.prints_config) command.text = sources.Print();
+  return command;
+}
+
+}  // namespace penumbra
