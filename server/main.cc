@@ -2,6 +2,7 @@
 
 #include <grpc/support/log.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +15,7 @@
 #include "server/address_file.h"
 #include "server/keep_freed_memory.h"
 #include "server/penumbra_server.h"
+#include "server/security/token_command.h"
 #include "server/server_identity.h"
 
 namespace penumbra {
@@ -23,6 +25,7 @@ struct CommandLine {
   ServerOptions server;
   int drain_seconds = 5;
   std::string address_file;
+  TokenRequest token;
 };
 
 // What the signals are that end the server; all threads leave them to sigwait.
@@ -55,7 +58,21 @@ int Fail(const std::string& message) {
   return EXIT_FAILURE;
 }
 
-int Serve(const CommandLine& command) {
+// A connection takes a descriptor, and 1,024 are the default of most systems.
+void AllowManyConnections() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+void TellOfProblem(const std::string& problem) {
+  std::fprintf(stderr, "penumbrad: %s\n", problem.c_str());
+}
+
+int Serve(CommandLine command) {
+  AllowManyConnections();
+  command.server.security.on_problem = TellOfProblem;
   const sigset_t signals = BlockEndingSignals();
   AddressFile address_file(command.address_file);
   address_file.RemoveIfDead();
@@ -80,8 +97,10 @@ int Serve(const CommandLine& command) {
 
 void AddOptions(CLI::App& app, CommandLine& command) {
   app.add_option("--listen", command.server.listen,
-                 "Address: loopback, port 0 for a free one, or unix:PATH")
+                 "Address: loopback, with TLS any; port 0 for a free one; or unix:PATH")
       ->capture_default_str();
+  AddSecurityOptions(app, command.server.security);
+  AddTokenCommand(app, command.token);
   app.add_option("--threads", command.server.threads, "Threads that compute; 0: all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
@@ -119,6 +138,8 @@ int main(int argc, char** argv) {
     return app.exit(help);
   } catch (const CLI::CallForVersion& version) {
     return app.exit(version);
+  } catch (const CLI::Success&) {
+    return EXIT_SUCCESS;  // of a command that is done
   } catch (const CLI::ParseError& error) {
     return penumbra::Fail(error.what());
   }

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "grpcpp/health_check_service_interface.h"
-#include "grpcpp/security/server_credentials.h"
 #include "grpcpp/server.h"
 #include "grpcpp/server_builder.h"
 #include "render/engine/local_engine.h"
@@ -11,6 +10,9 @@
 #include "render/gl/worker.h"
 #include "render/scene/field_error.h"
 #include "server/listen_address.h"
+#include "server/security/blob_access.h"
+#include "server/security/listening_sockets.h"
+#include "server/security/server_security.h"
 #include "server/service/penumbra_service.h"
 #include "server/transport.h"
 
@@ -68,23 +70,28 @@ v1::GlInfo GlInfoOf(const GlWorker& worker) {
 
 // In the order in which they need one another; destroyed from below.
 struct PenumbraServer::Parts {
-  explicit Parts(const ServerOptions& options)
+  Parts(const ServerOptions& options, std::unique_ptr<ServerSecurity> guarding)
       : limits(options.limits),
+        security(std::move(guarding)),
         gl_worker(OpenGl(options)),
         engine(EngineOptions(options, gl_worker)) {}
 
   const ServerLimits limits;
+  const std::unique_ptr<ServerSecurity> security;
   ServerCounters counters;
   StreamServices stream_services{counters};
   const GlWorker gl_worker;
   LocalEngine engine;
   BlobStore blobs{limits};
+  BlobAccess blob_access{engine};
   SceneStore scenes{engine, limits, counters};
   StreamTable streams{engine, stream_services};
   SessionTable sessions{limits};
   WorkerPool blob_workers{{kBlobWorkers}};
-  PenumbraService service{ServiceParts{.sessions = {.scenes = scenes,
+  PenumbraService service{ServiceParts{.guard = security->guard(),
+                                       .sessions = {.scenes = scenes,
                                                     .blobs = blobs,
+                                                    .blob_access = blob_access,
                                                     .streams = streams,
                                                     .limits = limits,
                                                     .counters = counters},
@@ -95,33 +102,41 @@ struct PenumbraServer::Parts {
                                        .started = std::chrono::steady_clock::now()}};
   std::string address;
   std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
+  std::unique_ptr<AcceptLoop> accept_loop;
 };
 
 PenumbraServer::PenumbraServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
 absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
     const ServerOptions& options) {
-  if (auto status = CheckListenAddress(options.listen); !status.ok()) return status;
-  if (auto status = TryListening(options.listen); !status.ok()) return status;
-  auto parts = std::make_unique<Parts>(options);
+  if (auto status = CheckSecurity(options.security, options.listen); !status.ok()) return status;
+  auto sockets = ListeningSockets::Open(options.listen);
+  if (!sockets.ok()) return sockets.status();
+  auto security = ServerSecurity::Create(options.security);
+  if (!security.ok()) return security.status();
+  auto parts = std::make_unique<Parts>(options, *std::move(security));
   PrepareTransport();
   grpc::ServerBuilder builder;
   ConfigureTransport(options.limits, options.reflection, builder);
-  int port = 0;
-  builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &port);
+  using Connections = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+  parts->acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      Connections::FROM_FD, parts->security->MakeCredentials());
   builder.RegisterService(&parts->service);
   parts->server = builder.BuildAndStart();
-  if (!parts->server) {
-    return FieldError(absl::StatusCode::kUnavailable, "CANNOT_LISTEN", "listen",
-                      "found " + options.listen + ", need an address to listen on");
-  }
-  parts->address = options.listen;
-  if (!options.listen.starts_with("unix:")) {
-    parts->address = options.listen.substr(0, options.listen.rfind(':') + 1) + std::to_string(port);
-  }
+  if (!parts->server) return CannotListen(options.listen, "gRPC does not start");
+  parts->address = sockets->address();
   parts->server->GetHealthCheckService()->SetServingStatus(v1::PenumbraService::service_full_name(),
                                                            true);
   parts->server->GetHealthCheckService()->SetServingStatus(kGlHealthName, parts->gl_worker.ok());
+  parts->accept_loop = std::make_unique<AcceptLoop>(
+      *std::move(sockets), parts->security->connections(),
+      [acceptor = parts->acceptor.get()](int listener, int fd) {
+        grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+        connection.listener_fd = listener;
+        connection.fd = fd;
+        acceptor->HandleNewConnection(&connection);
+      });
   return std::unique_ptr<PenumbraServer>(new PenumbraServer(std::move(parts)));
 }
 
@@ -141,6 +156,7 @@ void PenumbraServer::Shutdown(std::chrono::milliseconds drain) {
   if (!parts_->server) return;
   parts_->sessions.EndAll(FieldError(absl::StatusCode::kUnavailable, "SHUTTING_DOWN", "",
                                      "the server is shutting down"));
+  parts_->accept_loop.reset();
   parts_->server->Shutdown(std::chrono::system_clock::now() + drain);
   parts_->server->Wait();
   parts_->server.reset();

@@ -15,6 +15,7 @@
 #include "absl/status/statusor.h"
 #include "render/technique/technique.h"
 #include "server/limits.h"
+#include "server/security/security_options.h"
 
 namespace penumbra {
 
@@ -25,6 +26,7 @@ struct ServerOptions {
   std::string egl_device;                 // see gl::Display::Open
   bool opens_gl = true;                   // otherwise the server is degraded
   bool reflection = false;
+  SecurityOptions security{};
   ServerLimits limits{};
   // What computes a spec; tests put their own here. It must outlive the server.
   std::function<const Technique&(const TechniqueParams&)> technique_for = TechniqueFor;
@@ -34,7 +36,7 @@ class PenumbraServer {
  public:
   // Listens when it returns. Without an EGL device it starts, and says that it is degraded.
   //
-  // Errors  those of listen_address.h
+  // Errors  those of listen_address.h, and of CheckSecurity and ServerSecurity::Create
   static absl::StatusOr<std::unique_ptr<PenumbraServer>> Start(const ServerOptions& options);
   ~PenumbraServer();  // Shutdown without a wait
 

@@ -7,8 +7,9 @@ namespace penumbra {
 grpc::ServerUnaryReactor* PenumbraService::CreateScene(Context* context, const Bytes* request,
                                                        Bytes* response) {
   return AnswerUnary<v1::CreateSceneRequest>(
-      context, parts_.sessions.limits, request, response,
-      [&](const v1::CreateSceneRequest& message) -> absl::StatusOr<v1::CreateSceneResponse> {
+      context, parts_, "CreateScene", request, response,
+      [&](const v1::CreateSceneRequest& message,
+          const Caller&) -> absl::StatusOr<v1::CreateSceneResponse> {
         const auto info = parts_.sessions.scenes.Create(message.scene_id());
         if (!info.ok()) return info.status();
         v1::CreateSceneResponse created;

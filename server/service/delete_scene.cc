@@ -7,8 +7,9 @@ namespace penumbra {
 grpc::ServerUnaryReactor* PenumbraService::DeleteScene(Context* context, const Bytes* request,
                                                        Bytes* response) {
   return AnswerUnary<v1::DeleteSceneRequest>(
-      context, parts_.sessions.limits, request, response,
-      [&](const v1::DeleteSceneRequest& message) -> absl::StatusOr<v1::DeleteSceneResponse> {
+      context, parts_, "DeleteScene", request, response,
+      [&](const v1::DeleteSceneRequest& message,
+          const Caller&) -> absl::StatusOr<v1::DeleteSceneResponse> {
         if (auto status = CheckId(message.scene_id(), "scene_id"); !status.ok()) return status;
         if (auto status = parts_.sessions.scenes.Delete(message.scene_id()); !status.ok()) {
           return status;

@@ -26,8 +26,9 @@ v1::ServerStatistics StatisticsOf(const ServiceParts& parts) {
 grpc::ServerUnaryReactor* PenumbraService::GetServerInfo(Context* context, const Bytes* request,
                                                          Bytes* response) {
   return AnswerUnary<v1::GetServerInfoRequest>(
-      context, parts_.sessions.limits, request, response,
-      [&](const v1::GetServerInfoRequest&) -> absl::StatusOr<v1::GetServerInfoResponse> {
+      context, parts_, "GetServerInfo", request, response,
+      [&](const v1::GetServerInfoRequest&,
+          const Caller& caller) -> absl::StatusOr<v1::GetServerInfoResponse> {
         using std::chrono::duration_cast, std::chrono::milliseconds, std::chrono::steady_clock;
         v1::GetServerInfoResponse info;
         info.set_server_name(kServerName);
@@ -38,7 +39,10 @@ grpc::ServerUnaryReactor* PenumbraService::GetServerInfo(Context* context, const
         info.set_thread_count(parts_.engine.cpu_threads());
         info.set_uptime_ms(
             duration_cast<milliseconds>(steady_clock::now() - parts_.started).count());
-        *info.mutable_statistics() = StatisticsOf(parts_);
+        // They count what others do, which is for those who may see all of it.
+        if (caller.identity().scope.is_everything()) {
+          *info.mutable_statistics() = StatisticsOf(parts_);
+        }
         return info;
       });
 }

@@ -9,8 +9,9 @@ namespace penumbra {
 grpc::ServerUnaryReactor* PenumbraService::ListTechniques(Context* context, const Bytes* request,
                                                           Bytes* response) {
   return AnswerUnary<v1::ListTechniquesRequest>(
-      context, parts_.sessions.limits, request, response,
-      [](const v1::ListTechniquesRequest&) -> absl::StatusOr<v1::ListTechniquesResponse> {
+      context, parts_, "ListTechniques", request, response,
+      [](const v1::ListTechniquesRequest&,
+         const Caller&) -> absl::StatusOr<v1::ListTechniquesResponse> {
         v1::ListTechniquesResponse list;
         for (auto& technique : AllTechniqueInfos()) *list.add_techniques() = std::move(technique);
         return list;

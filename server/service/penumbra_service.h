@@ -11,6 +11,7 @@
 #include "penumbra/v1/service.grpc.pb.h"
 #include "render/engine/local_engine.h"
 #include "render/engine/worker_pool.h"
+#include "server/security/call_guard.h"
 #include "server/session/session.h"
 #include "server/session/session_table.h"
 
@@ -18,6 +19,7 @@ namespace penumbra {
 
 // What the calls work with. All of it outlives the service.
 struct ServiceParts {
+  const CallGuard& guard;  // every call asks it first
   SessionServices sessions;
   SessionTable& session_table;
   LocalEngine& engine;

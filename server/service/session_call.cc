@@ -5,6 +5,7 @@
 #include "proto/convert/status_convert.h"
 #include "render/math/hand_over.h"
 #include "server/service/penumbra_service.h"
+#include "server/service/refused_stream.h"
 
 namespace penumbra {
 namespace {
@@ -20,12 +21,20 @@ struct Gate {
 // Carries a session's bytes: one read and one write at a time.
 class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  explicit SessionReactor(const ServiceParts& parts) : gate_(std::make_shared<Gate>()) {
+  SessionReactor(const ServiceParts& parts, const Caller& caller,
+                 grpc::CallbackServerContext* context)
+      : gate_(std::make_shared<Gate>()) {
     gate_->reactor = this;
-    session_ = Session::Create(parts.sessions, [gate = gate_] {
+    session_ = Session::Create(parts.sessions, caller, [gate = gate_] {
       std::lock_guard lock(gate->mutex);
       if (gate->reactor) gate->reactor->Pump();
     });
+    right_ = parts.guard.Follow(
+        caller,
+        [weak = std::weak_ptr(session_)](const absl::Status& status) {
+          if (const auto session = weak.lock()) session->End(status);
+        },
+        context);
     if (auto status = parts.session_table.Add(session_); !status.ok()) session_->End(status);
     std::lock_guard lock(gate_->mutex);
     Pump();
@@ -60,6 +69,7 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
       std::lock_guard lock(gate_->mutex);
       gate_->reactor = nullptr;
     }
+    right_->Finish();
     session_->Close();
     delete this;
   }
@@ -93,6 +103,7 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   const std::shared_ptr<Gate> gate_;
   std::shared_ptr<Session> session_;
+  std::shared_ptr<LiveCall> right_;
   grpc::ByteBuffer request_;
   grpc::ByteBuffer response_;
   bool is_writing_ = false;
@@ -102,8 +113,13 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
 
 }  // namespace
 
-grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* PenumbraService::Session(Context*) {
-  return new SessionReactor(parts_);
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* PenumbraService::Session(
+    Context* context) {
+  const auto caller = parts_.guard.Admit(*context, "Session");
+  if (!caller.ok()) {
+    return new RefusedStream<grpc::ServerBidiReactor<Bytes, Bytes>>(caller.status());
+  }
+  return new SessionReactor(parts_, *caller, context);
 }
 
 }  // namespace penumbra

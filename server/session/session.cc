@@ -9,16 +9,17 @@
 
 namespace penumbra {
 
-Session::Session(const SessionServices& services, std::function<void()> wake)
+Session::Session(const SessionServices& services, const Caller& caller, std::function<void()> wake)
     : services_(services),
+      caller_(caller),
       wake_(std::move(wake)),
       viewer_(std::to_string(++services.counters.sessions_made)),
       mirror_(services.limits.max_message_bytes) {}
 
-std::shared_ptr<Session> Session::Create(const SessionServices& services,
+std::shared_ptr<Session> Session::Create(const SessionServices& services, const Caller& caller,
                                          std::function<void()> wake) {
   ++services.counters.open_sessions;
-  return std::shared_ptr<Session>(new Session(services, std::move(wake)));
+  return std::shared_ptr<Session>(new Session(services, caller, std::move(wake)));
 }
 
 Session::~Session() {

@@ -1,6 +1,6 @@
 // What one client's session is, apart from its connection: requests go in, messages come out.
 //
-//   auto session = Session::Create(services, wake);
+//   auto session = Session::Create(services, caller, wake);
 //   session->OnRequest(bytes);                        // as they arrive, one at a time
 //   while (session->Next(…))                          // whenever there is room; after each `wake`
 //
@@ -25,6 +25,8 @@
 #include "server/limits.h"
 #include "server/scene_store/blob_store.h"
 #include "server/scene_store/scene_store.h"
+#include "server/security/blob_access.h"
+#include "server/security/caller.h"
 #include "server/session/artifact_stream.h"
 #include "server/session/scene_mirror.h"
 #include "server/session/subscription_feed.h"
@@ -35,6 +37,7 @@ namespace penumbra {
 struct SessionServices {
   SceneStore& scenes;
   BlobStore& blobs;
+  BlobAccess& blob_access;
   StreamTable& streams;
   const ServerLimits& limits;
   ServerCounters& counters;
@@ -46,7 +49,7 @@ class Session : public SceneWatcher,
  public:
   // `wake` is called, from any thread and without locks of the session's, when Next may have
   // something.
-  static std::shared_ptr<Session> Create(const SessionServices& services,
+  static std::shared_ptr<Session> Create(const SessionServices& services, const Caller& caller,
                                          std::function<void()> wake);
   ~Session() override;
 
@@ -77,10 +80,10 @@ class Session : public SceneWatcher,
   };
   using FeedTable = std::map<uint64_t, std::unique_ptr<SubscriptionFeed>>;
 
-  Session(const SessionServices& services, std::function<void()> wake);
+  Session(const SessionServices& services, const Caller& caller, std::function<void()> wake);
 
   absl::Status OnHello(const v1::Hello& hello);
-  void OnCommit(const v1::Commit& commit);
+  void OnCommit(const v1::Commit& commit, const absl::Status& allowed);
   absl::StatusOr<CommitOutcome> Apply(const v1::Commit& commit);
   void OnSubscribe(const v1::Subscribe& subscribe);
   absl::StatusOr<std::unique_ptr<SubscriptionFeed>> MakeFeed(const v1::Subscribe& subscribe);
@@ -103,6 +106,7 @@ class Session : public SceneWatcher,
   SubscriptionFeed* DueFeed();
 
   const SessionServices services_;
+  const Caller caller_;
   const std::function<void()> wake_;
   const std::string viewer_;  // the engine's name for who is behind this session
 

@@ -25,6 +25,20 @@ absl::Status UnknownSubscription(uint64_t id) {
                     "found " + std::to_string(id) + ", need a subscription of this session");
 }
 
+// By the table of roles (rpc_roles.h). A request without a kind is none that could be refused.
+absl::Status MaySend(const Caller& caller, const v1::SessionRequest& request) {
+  const int kind = request.request_case();
+  if (kind == v1::SessionRequest::REQUEST_NOT_SET) return absl::OkStatus();
+  const auto* field = v1::SessionRequest::descriptor()->FindFieldByNumber(kind);
+  return caller.Authorize("Session." + field->name());
+}
+
+absl::Status MayOpen(const Caller& caller, const std::string& scene_id) {
+  absl::Status status = CheckId(scene_id, "scene_id");
+  if (status.ok()) status = caller.Authorize("Session.hello", scene_id);
+  return status.ok() ? status : WithFieldPrefix(status, "hello.");
+}
+
 absl::Status Failed(const char* reason, const char* field, const std::string& text) {
   return FieldError(absl::StatusCode::kFailedPrecondition, reason, field, text);
 }
@@ -52,9 +66,11 @@ absl::Status Session::Dispatch(const v1::SessionRequest& request) {
   if (scene_id_.empty()) {
     return Failed("HELLO_REQUIRED", "request", "found another request, need a hello first");
   }
+  const absl::Status allowed = MaySend(caller_, request);
+  if (!allowed.ok() && !request.has_commit()) return allowed;
   switch (request.request_case()) {
     case v1::SessionRequest::kCommit:
-      OnCommit(request.commit());
+      OnCommit(request.commit(), allowed);
       return absl::OkStatus();
     case v1::SessionRequest::kSubscribe:
       OnSubscribe(request.subscribe());
@@ -95,7 +111,7 @@ absl::Status Session::OnHello(const v1::Hello& hello) {
                           " bytes, need at most " +
                           std::to_string(services_.limits.max_client_name_bytes));
   }
-  if (auto status = CheckId(hello.scene_id(), "hello.scene_id"); !status.ok()) {
+  if (auto status = MayOpen(caller_, hello.scene_id()); !status.ok()) {
     End(status);
     return absl::OkStatus();
   }
@@ -144,17 +160,18 @@ absl::StatusOr<CommitOutcome> Session::Apply(const v1::Commit& commit) {
     if (!first.ok()) return first.status();
     if (*first) return **first;
   }
-  const auto delta = FromProto(commit.delta(), services_.blobs);
+  const BlobsInScope blobs(services_.blobs, services_.blob_access, caller_.identity());
+  const auto delta = FromProto(commit.delta(), blobs);
   if (!delta.ok()) return delta.status();
   return services_.scenes.Commit(
       scene_id_, {.delta = *delta, .idempotency_key = key, .fingerprint = fingerprint}, this);
 }
 
-void Session::OnCommit(const v1::Commit& commit) {
+void Session::OnCommit(const v1::Commit& commit, const absl::Status& allowed) {
   v1::SessionResponse response;
   v1::CommitResult& result = *response.mutable_commit_result();
   result.set_commit_id(commit.commit_id());
-  const auto outcome = Apply(commit);
+  const auto outcome = allowed.ok() ? Apply(commit) : absl::StatusOr<CommitOutcome>(allowed);
   std::shared_ptr<const Scene> own;
   if (outcome.ok()) {
     result.set_revision(outcome->revision);
