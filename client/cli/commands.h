@@ -11,6 +11,7 @@
 
 #include "client/cli/numbers.h"
 #include "client/display/volume_look.h"
+#include "client/session/client_credentials.h"
 #include "render/math/vec.h"
 #include "render/scene/area_light.h"
 #include "render/scene/camera.h"
@@ -22,8 +23,10 @@ namespace penumbra {
 
 // Where shadows are computed.
 struct EngineChoice {
-  std::string server;    // "host:port"; empty: in this process
-  uint32_t threads = 0;  // of the engine in this process; 0: one a core
+  std::string server;                // "host:port"; empty: in this process
+  uint32_t threads = 0;              // of the engine in this process; 0: one a core
+  ClientCredentials credentials{};   // shown to the server; ConnectTo adds the token
+  std::filesystem::path token_file;  // empty: none
 };
 
 // Pixels of a computed picture where nothing is said of them.

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/open_engine.h"
 #include "client/cli/run_command.h"
 #include "client/cli/version.h"
 #include "client/session/remote_engine.h"
@@ -66,7 +67,7 @@ Json LocalInfo() {
 
 absl::StatusOr<Json> FromServer(const EngineChoice& choice,
                                 absl::StatusOr<std::string> (RemoteEngine::*ask)()) {
-  const auto engine = RemoteEngine::Connect({.address = choice.server});
+  const auto engine = ConnectTo(choice);
   if (!engine.ok()) return engine.status();
   const auto text = ((**engine).*ask)();
   if (!text.ok()) return text.status();

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/session/blob_transfer.h"
+#include "client/session/channel_credentials.h"
 #include "client/session/server_connection.h"
 #include "client/session/steady_clock.h"
 #include "proto/convert/geometry_convert.h"
@@ -62,6 +63,7 @@ absl::StatusOr<std::shared_ptr<SceneSession>> SceneSession::Open(ServerConnectio
 absl::Status SceneSession::Greet() {
   // The hello travels with the call's headers.
   context_.set_initial_metadata_corked(true);
+  ShowToken(connection_.options().credentials, context_);
   stream_ = connection_.stub().Session(&context_);
   v1::SessionRequest request;
   request.mutable_hello()->add_protocol_versions(kProtocolVersion);
