@@ -33,7 +33,8 @@ void AddressFile::RemoveIfDead() const {
   std::string address;
   std::ifstream file(path_);
   std::getline(file, address);
-  const bool is_dead = CheckListenAddress(address).ok() && TryListening(address).ok();
+  const bool is_dead =
+      CheckListenAddress(address, /*has_tls=*/true).ok() && TryListening(address).ok();
   if (is_dead) ::unlink(path_.c_str());
 }
 

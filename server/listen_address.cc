@@ -21,23 +21,6 @@ namespace {
 
 constexpr std::string_view kUnixPrefix = "unix:";
 
-struct HostAndPort {
-  std::string host;
-  std::string port;
-};
-
-std::optional<HostAndPort> Split(const std::string& address) {
-  const size_t colon = address.rfind(':');
-  if (colon == std::string::npos) return std::nullopt;
-  std::string host = address.substr(0, colon);
-  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
-    host = host.substr(1, host.size() - 2);
-  } else if (host.find(':') != std::string::npos) {
-    return std::nullopt;
-  }
-  return HostAndPort{host, address.substr(colon + 1)};
-}
-
 bool IsPort(const std::string& text) {
   unsigned port = 0;
   const char* end = text.data() + text.size();
@@ -58,11 +41,6 @@ struct Descriptor {
     if (fd >= 0) ::close(fd);
   }
 };
-
-absl::Status CannotListen(const std::string& address, const char* reason) {
-  return FieldError(absl::StatusCode::kUnavailable, "CANNOT_LISTEN", "listen",
-                    "found " + address + ": " + reason + ", need an address to listen on");
-}
 
 // gRPC removes a socket file that is there, so one with a server behind it has to be found here.
 absl::Status TryUnix(const std::string& address) {
@@ -103,19 +81,55 @@ absl::Status TryTcp(const std::string& address, const HostAndPort& parts) {
 
 }  // namespace
 
-absl::Status CheckListenAddress(const std::string& address) {
-  const bool is_unix = address.starts_with(kUnixPrefix) && address.size() > kUnixPrefix.size();
-  if (is_unix) return absl::OkStatus();
-  const auto parts = Split(address);
-  if (parts && IsPort(parts->port) && IsLoopback(parts->host)) return absl::OkStatus();
-  return FieldError(absl::StatusCode::kInvalidArgument, "BAD_ADDRESS", "listen",
-                    "found '" + address +
-                        "', need a loopback address and port such as 127.0.0.1:7717, or unix:PATH");
+std::optional<HostAndPort> SplitAddress(const std::string& address) {
+  const size_t colon = address.rfind(':');
+  if (colon == std::string::npos) return std::nullopt;
+  std::string host = address.substr(0, colon);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
+    host = host.substr(1, host.size() - 2);
+  } else if (host.find(':') != std::string::npos) {
+    return std::nullopt;
+  }
+  return HostAndPort{host, address.substr(colon + 1)};
+}
+
+std::optional<std::string> SocketPath(const std::string& address) {
+  if (!address.starts_with(kUnixPrefix)) return std::nullopt;
+  return address.substr(kUnixPrefix.size());
+}
+
+bool IsLocalAddress(const std::string& address) {
+  if (SocketPath(address)) return true;
+  const auto parts = SplitAddress(address);
+  return parts && IsLoopback(parts->host);
+}
+
+absl::Status CheckListenAddress(const std::string& address, bool has_tls) {
+  const auto path = SocketPath(address);
+  if (path && !path->empty()) return absl::OkStatus();
+  const auto parts = SplitAddress(address);
+  const bool is_address = !path && parts && IsPort(parts->port) && !parts->host.empty();
+  if (is_address && (has_tls || IsLoopback(parts->host))) return absl::OkStatus();
+  if (is_address) {
+    return FieldError(absl::StatusCode::kInvalidArgument, "NEEDS_TLS", "listen",
+                      "found '" + address +
+                          "' without TLS, need --tls-certificate and --tls-key to be reached from "
+                          "other machines, or a loopback address such as 127.0.0.1:7717");
+  }
+  return FieldError(
+      absl::StatusCode::kInvalidArgument, "BAD_ADDRESS", "listen",
+      "found '" + address + "', need an address and port such as 127.0.0.1:7717, or unix:PATH");
+}
+
+absl::Status CannotListen(const std::string& address, const char* reason) {
+  return FieldError(absl::StatusCode::kUnavailable, "CANNOT_LISTEN", "listen",
+                    "found " + address + ": " + reason + ", need an address to listen on");
 }
 
 absl::Status TryListening(const std::string& address) {
-  if (address.starts_with(kUnixPrefix)) return TryUnix(address);
-  return TryTcp(address, *Split(address));
+  if (SocketPath(address)) return TryUnix(address);
+  const auto parts = SplitAddress(address);
+  return parts ? TryTcp(address, *parts) : CannotListen(address, "no address");
 }
 
 }  // namespace penumbra

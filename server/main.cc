@@ -2,6 +2,7 @@
 
 #include <grpc/support/log.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -56,6 +57,14 @@ int Fail(const std::string& message) {
   return EXIT_FAILURE;
 }
 
+// A connection takes a descriptor, and 1,024 are the default of most systems.
+void AllowManyConnections() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 int FailToStart(Logger& logger, const absl::Status& status) {
   logger.Error("cannot_start", {{"error", std::string(status.message())}});
   return EXIT_FAILURE;
@@ -76,11 +85,15 @@ void EndItAnyway(const sigset_t& signals, int seconds, Logger& logger) {
 }
 
 int Serve(CommandLine command) {
+  AllowManyConnections();
   const sigset_t signals = BlockEndingSignals();
   // Never destroyed: a thread of ours may use it to the very end.
   static LineLogger& logger = *new LineLogger(
       {.format = *LogFormatOf(command.log_format), .least = *LogLevelOf(command.log_level)});
   command.server.logger = &logger;
+  command.server.security.on_problem = [](const std::string& problem) {
+    logger.Warning("security", {{"problem", problem}});
+  };
   AddressFile address_file(command.address_file);
   address_file.RemoveIfDead();
   auto server = PenumbraServer::Start(command.server);
@@ -109,6 +122,7 @@ int main(int argc, char** argv) {
   penumbra::SilenceLibraries();
   auto command = penumbra::ReadOptions({argv + 1, argv + argc}, penumbra::FromEnvironment);
   if (!command.ok()) return penumbra::Fail(std::string(command.status().message()));
+  if (command->is_done) return EXIT_SUCCESS;
   if (command->text.empty()) return penumbra::Serve(*std::move(command));
   std::fputs(command->text.c_str(), stdout);
   return std::fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;

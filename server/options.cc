@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
+#include "server/security/security_options.h"
+#include "server/security/token_command.h"
 #include "server/server_identity.h"
 
 namespace penumbra {
@@ -15,7 +17,8 @@ constexpr char kSources[] =
 
 void AddServing(CLI::App& app, ServerOptions& server) {
   app.add_option("--listen", server.listen,
-                 "Address: loopback, port 0 for a free one, or unix:PATH");
+                 "Address: loopback, with TLS any; port 0 for a free one; or unix:PATH");
+  AddSecurityOptions(app, server.security);
   app.add_option("--threads", server.threads, "Threads that compute; 0: all cores")
       ->check(CLI::Range(0, 1024));
   app.add_option("--runners", server.runners,
@@ -56,6 +59,7 @@ void AddOptions(CLI::App& app, CommandLine& command) {
 struct Ending {
   std::string config;
   bool prints_config = false;
+  TokenRequest token;
 };
 
 void AddEnding(CLI::App& app, Ending& ending) {
@@ -65,6 +69,7 @@ void AddEnding(CLI::App& app, Ending& ending) {
   app.add_flag("--print-config", ending.prints_config,
                "Print the options' values, in the form of that file, with where they come from")
       ->configurable(false);
+  AddTokenCommand(app, ending.token);
   app.set_version_flag("--version", kServerName);
   app.footer(kSources);
 }
@@ -93,6 +98,9 @@ absl::StatusOr<CommandLine> ReadOptions(const std::vector<std::string>& argument
     return command;
   } catch (const CLI::CallForVersion&) {
     command.text = std::string(kServerName) + "\n";
+    return command;
+  } catch (const CLI::Success&) {
+    command.is_done = true;
     return command;
   } catch (const CLI::ParseError& error) {
     return absl::InvalidArgumentError(std::string("command line: ") + error.what());

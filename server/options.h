@@ -25,6 +25,8 @@ struct CommandLine {
   std::string address_file;
   // To be printed instead of serving: help, the version, or the options' values.
   std::string text;
+  // Everything is done: a token was made.
+  bool is_done = false;
 };
 
 // Precedence: the command line, the environment, the file of --config, the default. Options are not

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "grpcpp/health_check_service_interface.h"
-#include "grpcpp/security/server_credentials.h"
 #include "grpcpp/server.h"
 #include "grpcpp/server_builder.h"
 #include "render/engine/local_engine.h"
@@ -17,6 +16,9 @@
 #include "server/metrics/metrics_collector.h"
 #include "server/metrics/metrics_endpoint.h"
 #include "server/server_identity.h"
+#include "server/security/blob_access.h"
+#include "server/security/listening_sockets.h"
+#include "server/security/server_security.h"
 #include "server/service/penumbra_service.h"
 #include "server/transport.h"
 
@@ -88,9 +90,11 @@ absl::StatusOr<std::unique_ptr<SceneStorage>> OpenStorage(const ServerOptions& o
 
 // In the order in which they need one another; destroyed from below.
 struct PenumbraServer::Parts {
-  Parts(const ServerOptions& options, std::unique_ptr<SceneStorage> opened)
+  Parts(const ServerOptions& options, std::unique_ptr<ServerSecurity> guarding,
+        std::unique_ptr<SceneStorage> opened)
       : limits(options.limits),
         logger(*options.logger),
+        security(std::move(guarding)),
         storage(std::move(opened)),
         gl_worker(OpenGl(options)),
         engine(EngineOptions(options, gl_worker, counters)) {
@@ -102,6 +106,7 @@ struct PenumbraServer::Parts {
 
   const ServerLimits limits;
   Logger& logger;
+  const std::unique_ptr<ServerSecurity> security;
   ServerCounters counters;
   SessionLedger ledger{counters, logger};
   StreamServices stream_services{counters};
@@ -109,14 +114,17 @@ struct PenumbraServer::Parts {
   const GlWorker gl_worker;
   LocalEngine engine;
   BlobStore blobs{limits};
+  BlobAccess blob_access{engine};
   SceneStore scenes{engine, blobs, limits, counters, storage.get()};
   StreamTable streams{engine, stream_services};
   PresenceTable presence;
   SessionTable sessions{limits};
   WorkerPool blob_workers{{kBlobWorkers}};
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
-  PenumbraService service{ServiceParts{.sessions = {.scenes = scenes,
+  PenumbraService service{ServiceParts{.guard = security->guard(),
+                                       .sessions = {.scenes = scenes,
                                                     .blobs = blobs,
+                                                    .blob_access = blob_access,
                                                     .streams = streams,
                                                     .presence = presence,
                                                     .limits = limits,
@@ -131,6 +139,8 @@ struct PenumbraServer::Parts {
   std::string address;
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<MetricsEndpoint> metrics;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
+  std::unique_ptr<AcceptLoop> accept_loop;
 };
 
 MetricsGauges PenumbraServer::Parts::Gauges() const {
@@ -157,11 +167,14 @@ PenumbraServer::PenumbraServer(std::unique_ptr<Parts> parts) : parts_(std::move(
 
 absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
     const ServerOptions& options) {
-  if (auto status = CheckListenAddress(options.listen); !status.ok()) return status;
-  if (auto status = TryListening(options.listen); !status.ok()) return status;
+  if (auto status = CheckSecurity(options.security, options.listen); !status.ok()) return status;
+  auto sockets = ListeningSockets::Open(options.listen);
+  if (!sockets.ok()) return sockets.status();
+  auto security = ServerSecurity::Create(options.security);
+  if (!security.ok()) return security.status();
   auto storage = OpenStorage(options);
   if (!storage.ok()) return storage.status();
-  auto parts = std::make_unique<Parts>(options, *std::move(storage));
+  auto parts = std::make_unique<Parts>(options, *std::move(security), *std::move(storage));
   if (!options.metrics_listen.empty()) {
     auto metrics = MetricsEndpoint::Open(
         options.metrics_listen, std::make_shared<MetricsCollector>(
@@ -172,21 +185,24 @@ absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
   PrepareTransport();
   grpc::ServerBuilder builder;
   ConfigureTransport(options.limits, options.reflection, builder);
-  int port = 0;
-  builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &port);
+  using Connections = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+  parts->acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      Connections::FROM_FD, parts->security->MakeCredentials());
   builder.RegisterService(&parts->service);
   parts->server = builder.BuildAndStart();
-  if (!parts->server) {
-    return FieldError(absl::StatusCode::kUnavailable, "CANNOT_LISTEN", "listen",
-                      "found " + options.listen + ", need an address to listen on");
-  }
-  parts->address = options.listen;
-  if (!options.listen.starts_with("unix:")) {
-    parts->address = options.listen.substr(0, options.listen.rfind(':') + 1) + std::to_string(port);
-  }
+  if (!parts->server) return CannotListen(options.listen, "gRPC does not start");
+  parts->address = sockets->address();
   parts->server->GetHealthCheckService()->SetServingStatus(v1::PenumbraService::service_full_name(),
                                                            true);
   parts->server->GetHealthCheckService()->SetServingStatus(kGlHealthName, parts->gl_worker.ok());
+  parts->accept_loop = std::make_unique<AcceptLoop>(
+      *std::move(sockets), parts->security->connections(),
+      [acceptor = parts->acceptor.get()](int listener, int fd) {
+        grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+        connection.listener_fd = listener;
+        connection.fd = fd;
+        acceptor->HandleNewConnection(&connection);
+      });
   std::unique_ptr<PenumbraServer> server(new PenumbraServer(std::move(parts)));
   server->LogStart(options);
   return server;
@@ -239,6 +255,7 @@ void PenumbraServer::Shutdown(std::chrono::milliseconds drain) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   tell("connections");
+  parts_->accept_loop.reset();
   parts_->server->Shutdown(std::min(deadline, system_clock::now() + kLastWords));
   parts_->server->Wait();
   parts_->server.reset();

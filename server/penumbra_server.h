@@ -17,6 +17,7 @@
 #include "server/limits.h"
 #include "server/log/logger.h"
 #include "server/scene_store/scene_log.h"
+#include "server/security/security_options.h"
 
 namespace penumbra {
 
@@ -30,6 +31,7 @@ struct ServerOptions {
   std::string metrics_listen;  // see MetricsEndpoint; empty: no metrics are served
   std::string data_dir;        // where scenes are kept; empty: in memory only, gone with the server
   SceneLogOptions storage{};
+  SecurityOptions security{};
   ServerLimits limits{};
   Logger* logger = &QuietLogger();  // outlives the server
   // What computes a spec; tests put their own here. It must outlive the server.
@@ -40,7 +42,8 @@ class PenumbraServer {
  public:
   // Listens when it returns. Without an EGL device it starts, and says that it is degraded.
   //
-  // Errors  those of listen_address.h, of DataDirectory and of MetricsEndpoint::Open
+  // Errors  those of CheckSecurity, ServerSecurity::Create, listen_address.h, DataDirectory and
+  //         MetricsEndpoint::Open
   static absl::StatusOr<std::unique_ptr<PenumbraServer>> Start(const ServerOptions& options);
   ~PenumbraServer();  // Shutdown without a wait
 

@@ -47,6 +47,7 @@ void Grammar::AddEngine(CLI::App* app, EngineChoice& engine, bool server_is_requ
   Add(app, "--server", "HOST:PORT", "Compute on the server at this address",
       [&engine](const std::string& text) { return SetServer(text, engine.server); })
       ->required(server_is_required);
+  AddCredentials(app, engine);
 }
 
 void Grammar::AddScene(CLI::App* app, std::filesystem::path& scene) {

@@ -143,7 +143,7 @@ absl::Status Run(const DemoCommand& command, const Console& console, std::stop_t
   if (!plan.ok()) return plan.status();
   if (absl::Status status = PrepareOutputFolder(command.out); !status.ok()) return status;
 
-  const auto engine = RemoteEngine::Connect({.address = command.engine.server});
+  const auto engine = ConnectTo(command.engine);
   if (!engine.ok()) return engine.status();
   const auto scene = TemporaryScene::Create(**engine, "demo");
   if (!scene.ok()) return scene.status();

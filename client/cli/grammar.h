@@ -29,6 +29,7 @@ class Grammar {
   template <typename C>
   CLI::App* AddCommand(C& command, const char* name, const char* summary);
   void AddEngine(CLI::App* app, EngineChoice& engine, bool server_is_required = false);
+  void AddCredentials(CLI::App* app, EngineChoice& engine);
   void AddScene(CLI::App* app, std::filesystem::path& scene);
   void AddRequest(CLI::App* app, ShadowRequest& request, const char* size_name);
   void AddLights(CLI::App* app, ShadowRequest& request);

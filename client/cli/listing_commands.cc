@@ -3,6 +3,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "client/cli/open_engine.h"
 #include "client/cli/run_command.h"
 #include "client/cli/server_json.h"
 #include "client/cli/status_table.h"
@@ -97,10 +98,12 @@ void PrintLeaves(const Json& value, const std::string& path, std::ostream& out) 
 }
 
 // What the server is, and the names of its techniques.
-absl::StatusOr<Json> ServerInfo(const std::string& address) {
-  auto info = AskServer(address, &RemoteEngine::ServerInfoJson);
+absl::StatusOr<Json> ServerInfo(const EngineChoice& choice) {
+  const auto engine = ConnectTo(choice);
+  if (!engine.ok()) return engine.status();
+  auto info = AskServer(**engine, &RemoteEngine::ServerInfoJson);
   if (!info.ok()) return info.status();
-  const auto techniques = AskServer(address, &RemoteEngine::TechniquesJson);
+  const auto techniques = AskServer(**engine, &RemoteEngine::TechniquesJson);
   if (!techniques.ok()) return techniques.status();
   Json names = Json::array();
   for (const Json& technique : techniques->value("techniques", Json::array())) {
@@ -131,7 +134,9 @@ void PrintSummary(const std::string& address, const Json& info, std::ostream& ou
 absl::Status Run(const TechniquesCommand& command, const Console& console, std::stop_token) {
   absl::StatusOr<Json> json = LocalTechniques();
   if (!command.engine.server.empty()) {
-    json = AskServer(command.engine.server, &RemoteEngine::TechniquesJson);
+    const auto engine = ConnectTo(command.engine);
+    if (!engine.ok()) return engine.status();
+    json = AskServer(**engine, &RemoteEngine::TechniquesJson);
   }
   if (!json.ok()) return json.status();
   if (command.json) {
@@ -147,7 +152,7 @@ absl::Status Run(const TechniquesCommand& command, const Console& console, std::
 absl::Status Run(const InfoCommand& command, const Console& console, std::stop_token) {
   absl::StatusOr<Json> json = LocalInfo();
   if (!command.engine.server.empty()) {
-    json = ServerInfo(command.engine.server);
+    json = ServerInfo(command.engine);
   }
   if (!json.ok()) return json.status();
   if (command.json) {

@@ -2,15 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+
+#include "client/cli/engine_choice.h"
 
 namespace penumbra {
-
-// Where shadows are computed.
-struct EngineChoice {
-  std::string server;    // "host:port"; empty: in this process
-  uint32_t threads = 0;  // of the engine in this process; 0: one a core
-};
 
 struct TechniquesCommand {
   EngineChoice engine;

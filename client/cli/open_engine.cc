@@ -1,15 +1,37 @@
 #include "client/cli/open_engine.h"
 
+#include <cstdlib>
+#include <fstream>
 #include <random>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client/session/remote_engine.h"
+#include "client/cli/option_error.h"
 #include "client/session/steady_clock.h"
 #include "render/engine/local_engine.h"
 #include "render/gl/lazy_worker.h"
 
 namespace penumbra {
+
+absl::StatusOr<std::unique_ptr<RemoteEngine>> ConnectTo(
+    const EngineChoice& choice, std::function<void(uint64_t, uint64_t)> progress) {
+  RemoteEngineOptions options{.address = choice.server,
+                              .upload_progress = std::move(progress),
+                              .credentials = choice.credentials};
+  ClientCredentials& credentials = options.credentials;
+  credentials.tls |= !credentials.ca_file.empty() || !credentials.certificate_file.empty() ||
+                     !credentials.key_file.empty();
+  if (!choice.token_file.empty()) {
+    std::ifstream file(choice.token_file);
+    if (!(file >> credentials.token)) {
+      return OptionError("--token-file", "CANNOT_READ", {choice.token_file.native()},
+                         ", need a file with a token");
+    }
+  } else if (const char* token = std::getenv("PENUMBRA_TOKEN")) {
+    credentials.token = token;
+  }
+  return RemoteEngine::Connect(std::move(options));
+}
 
 absl::StatusOr<std::unique_ptr<Engine>> OpenEngine(const EngineChoice& choice) {
   if (choice.server.empty()) {
@@ -19,13 +41,14 @@ absl::StatusOr<std::unique_ptr<Engine>> OpenEngine(const EngineChoice& choice) {
           return gl->Get();
         }});
   }
-  return RemoteEngine::Connect({.address = choice.server});
+  return ConnectTo(choice);
 }
 
 absl::StatusOr<TemporaryScene> TemporaryScene::Create(Engine& engine, const std::string& stem) {
   std::random_device random;
-  std::string id = absl::StrCat(stem, "-", absl::Hex(random(), absl::kZeroPad8),
-                                absl::Hex(random(), absl::kZeroPad8));
+  // 128 bits: nobody guesses it.
+  std::string id = absl::StrCat(stem, "-");
+  for (int i = 0; i < 4; ++i) absl::StrAppend(&id, absl::Hex(random(), absl::kZeroPad8));
   if (absl::Status status = engine.CreateScene(id); !status.ok()) return status;
   return TemporaryScene(&engine, std::move(id));
 }

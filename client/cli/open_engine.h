@@ -5,16 +5,25 @@
 //   (*engine)->Commit(scene->id(), delta);
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
 #include "absl/status/statusor.h"
 #include "client/cli/commands.h"
+#include "client/session/remote_engine.h"
 #include "render/engine/engine.h"
 
 namespace penumbra {
 
-// Errors  kUnavailable: no server at that address
+// The server that was chosen, with the token of its file or of the environment's PENUMBRA_TOKEN: a
+// command line, which others on the machine can read, never has it. `progress` is of uploads.
+//
+// Errors  kInvalidArgument CANNOT_READ: no token in that file; those of RemoteEngine::Connect
+absl::StatusOr<std::unique_ptr<RemoteEngine>> ConnectTo(
+    const EngineChoice& choice, std::function<void(uint64_t, uint64_t)> progress = nullptr);
+
+// Errors  those of ConnectTo, where a server was chosen
 absl::StatusOr<std::unique_ptr<Engine>> OpenEngine(const EngineChoice& choice);
 
 // A scene of a name that nobody else uses, deleted with this object.

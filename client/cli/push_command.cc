@@ -43,8 +43,7 @@ absl::Status Run(const PushCommand& command, const Console& console, std::stop_t
                   total > 0 ? static_cast<double>(sent) / static_cast<double>(total) : 1.0);
   };
   const double start_ms = NowMs();
-  const auto engine =
-      RemoteEngine::Connect({.address = command.engine.server, .upload_progress = show});
+  const auto engine = ConnectTo(command.engine, show);
   if (!engine.ok()) return engine.status();
   const absl::Status created = (*engine)->CreateScene(command.scene_id);
   if (!created.ok() && !absl::IsAlreadyExists(created)) return created;

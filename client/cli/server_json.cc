@@ -6,13 +6,6 @@ namespace penumbra {
 
 using Json = nlohmann::ordered_json;
 
-absl::StatusOr<Json> AskServer(const std::string& address,
-                               absl::StatusOr<std::string> (RemoteEngine::*ask)()) {
-  const auto engine = RemoteEngine::Connect({.address = address});
-  if (!engine.ok()) return engine.status();
-  return AskServer(**engine, ask);
-}
-
 absl::StatusOr<Json> AskServer(RemoteEngine& engine,
                                absl::StatusOr<std::string> (RemoteEngine::*ask)()) {
   const auto text = (engine.*ask)();

@@ -1,6 +1,6 @@
 // What a server says of itself, as JSON.
 //
-//   auto status = AskServer("127.0.0.1:7717", &RemoteEngine::ServerStatusJson);
+//   auto status = AskServer(engine, &RemoteEngine::ServerStatusJson);
 //   double commits = NumberAt((*status)["statistics"], "commits");
 #pragma once
 
@@ -13,10 +13,6 @@
 namespace penumbra {
 
 // Errors  those of RemoteEngine; kInternal: the answer is no JSON
-absl::StatusOr<nlohmann::ordered_json> AskServer(
-    const std::string& address, absl::StatusOr<std::string> (RemoteEngine::*ask)());
-
-// The same of a server that is connected to.
 absl::StatusOr<nlohmann::ordered_json> AskServer(
     RemoteEngine& engine, absl::StatusOr<std::string> (RemoteEngine::*ask)());
 

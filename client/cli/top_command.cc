@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "client/cli/run_command.h"
+#include "client/cli/open_engine.h"
 #include "client/cli/server_json.h"
 #include "client/cli/status_table.h"
 
@@ -29,7 +30,7 @@ bool Wait(double seconds, const std::stop_token& stop) {
 }  // namespace
 
 absl::Status Run(const TopCommand& command, const Console& console, std::stop_token stop) {
-  const auto engine = RemoteEngine::Connect({.address = command.engine.server});
+  const auto engine = ConnectTo(command.engine);
   if (!engine.ok()) return engine.status();
   std::optional<Json> before;
   do {

@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/fitting_options.h"
+#include "client/cli/open_engine.h"
 #include "client/cli/option_error.h"
 #include "client/cli/run_command.h"
 #include "client/session/remote_engine.h"
@@ -224,7 +225,7 @@ absl::Status CheckOptionsFit(const WatchCommand& command) {
 
 absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
   if (const auto status = CheckOptionsFit(command); !status.ok()) return status;
-  const auto engine = RemoteEngine::Connect({.address = command.engine.server});
+  const auto engine = ConnectTo(command.engine);
   if (!engine.ok()) return engine.status();
   const auto scene = SceneOf(**engine, command.scene_id);
   if (!scene.ok()) return scene.status();

@@ -104,7 +104,7 @@ absl::Status BlobTransfer::Upload(const LocalBlobs& blobs,
   for (const ContentHash& hash : missing) total += encode(hash).size();
 
   grpc::ClientContext context;
-  context.set_deadline(connection_.DeadlineFor(total));
+  connection_.Prepare(context, total);
   v1::UploadBlobResponse response;
   const auto writer = connection_.stub().UploadBlob(&context, &response);
   uint64_t sent = 0;
@@ -165,7 +165,7 @@ absl::StatusOr<std::unique_ptr<BlobSource>> BlobTransfer::Fetch(const v1::SceneD
 absl::StatusOr<BlobContent> BlobTransfer::Download(const ContentHash& hash, std::stop_token stop) {
   grpc::ClientContext context;
   const std::stop_callback on_stop(std::move(stop), [&context] { context.TryCancel(); });
-  context.set_deadline(connection_.DeadlineFor(max_blob_bytes_));
+  connection_.Prepare(context, max_blob_bytes_);
   v1::DownloadBlobRequest request;
   request.set_hash(ToProto(hash));
   const auto reader = connection_.stub().DownloadBlob(&context, request);

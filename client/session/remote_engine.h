@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "client/session/client_credentials.h"
 #include "client/session/traffic.h"
 #include "render/engine/engine.h"
 
@@ -50,6 +51,7 @@ struct RemoteEngineOptions {
   std::function<void(const ConnectionEvent&)> on_connection = nullptr;
   // Told while meshes are being uploaded, on the thread that commits; may be null.
   std::function<void(uint64_t sent_bytes, uint64_t total_bytes)> upload_progress = nullptr;
+  ClientCredentials credentials{};
 };
 
 // Which shadows are asked for at once: of each light on each receiver, or for whatever else the
@@ -68,7 +70,9 @@ struct EachSubscription {
 
 class RemoteEngine : public Engine {
  public:
-  // Errors  kUnavailable: no server at that address, or none that answers in time
+  // Errors  kUnavailable: no server at that address, or none that answers in time;
+  //         kUnauthenticated: one that does not accept the credentials; kInvalidArgument:
+  //         credentials that cannot be shown there (channel_credentials.h)
   static absl::StatusOr<std::unique_ptr<RemoteEngine>> Connect(RemoteEngineOptions options);
 
   // Ends all sessions and waits for the callbacks that run. Subscriptions may be destroyed before

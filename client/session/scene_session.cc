@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/session/blob_transfer.h"
+#include "client/session/channel_credentials.h"
 #include "client/session/server_connection.h"
 #include "client/session/steady_clock.h"
 #include "proto/convert/geometry_convert.h"

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/session/call_status.h"
+#include "client/session/channel_credentials.h"
 #include "client/session/scene_session.h"
 #include "client/session/server_connection.h"
 #include "client/session/steady_clock.h"
@@ -39,6 +40,7 @@ std::shared_ptr<SceneSession::Link> SceneSession::OpenLink() {
   auto link = std::make_shared<Link>();
   // The hello travels with the call's headers.
   link->context.set_initial_metadata_corked(true);
+  ShowToken(connection_.options().credentials, link->context);
   link->stream = connection_.stub().Session(&link->context);
   v1::SessionRequest request;
   v1::Hello& hello = *request.mutable_hello();

@@ -4,7 +4,6 @@
 
 #include "client/session/scene_session.h"
 #include "grpcpp/create_channel.h"
-#include "grpcpp/security/credentials.h"
 #include "grpcpp/support/channel_arguments.h"
 #include "render/scene/field_error.h"
 
@@ -14,13 +13,14 @@ namespace {
 // An upload on a slow line gets one call timeout more for each of these.
 constexpr double kBytesPerCallTimeout = 16.0 * 1024 * 1024;
 
-std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address) {
+std::shared_ptr<grpc::Channel> MakeChannel(
+    const std::string& address, const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
   grpc::ChannelArguments arguments;
   // A connection of its own: one engine's trouble is not another's.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   // The address says where the server is; a proxy for web pages has no part in it.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(address, credentials, arguments);
 }
 
 std::chrono::system_clock::time_point After(double seconds) {
@@ -31,9 +31,11 @@ std::chrono::system_clock::time_point After(double seconds) {
 
 }  // namespace
 
-ServerConnection::ServerConnection(RemoteEngineOptions options)
+ServerConnection::ServerConnection(RemoteEngineOptions options,
+                                   std::shared_ptr<grpc::ChannelCredentials> credentials)
     : options_(std::move(options)),
-      stub_(v1::PenumbraService::NewStub(MakeChannel(options_.address))) {}
+      credentials_(std::move(credentials)),
+      stub_(v1::PenumbraService::NewStub(MakeChannel(options_.address, credentials_))) {}
 
 ServerConnection::~ServerConnection() {
   for (auto& [id, session] : sessions_) ended_sessions_.push_back(std::move(session));
@@ -43,13 +45,17 @@ ServerConnection::~ServerConnection() {
 
 absl::StatusOr<std::unique_ptr<ServerConnection>> ServerConnection::Open(
     RemoteEngineOptions options) {
-  std::unique_ptr<ServerConnection> connection(new ServerConnection(std::move(options)));
+  auto credentials = MakeChannelCredentials(options.address, options.credentials);
+  if (!credentials.ok()) return credentials.status();
+  std::unique_ptr<ServerConnection> connection(
+      new ServerConnection(std::move(options), *std::move(credentials)));
   if (absl::Status status = connection->Greet(); !status.ok()) return status;
   return connection;
 }
 
 absl::Status ServerConnection::AskForInfo(v1::GetServerInfoResponse& info) {
   grpc::ClientContext context;
+  ShowToken(options_.credentials, context);
   context.set_deadline(After(options_.connect_timeout_s));
   return StatusOfCall(options_.address,
                       stub_->GetServerInfo(&context, v1::GetServerInfoRequest(), &info));
@@ -63,7 +69,7 @@ absl::Status ServerConnection::Greet() {
     // gRPC before 1.61 looks at errno some calls after connect() (its pull request 35064). One of
     // them may have made a connection that is coming about look like one that failed: malloc does
     // where there is no /sys. On a channel of its own a second try need not wait.
-    stub_ = v1::PenumbraService::NewStub(MakeChannel(options_.address));
+    stub_ = v1::PenumbraService::NewStub(MakeChannel(options_.address, credentials_));
     status = AskForInfo(info);
   }
   if (!status.ok()) return status;

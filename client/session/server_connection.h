@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "client/session/blob_transfer.h"
 #include "client/session/call_status.h"
+#include "client/session/channel_credentials.h"
 #include "client/session/remote_engine.h"
 #include "penumbra/v1/service.grpc.pb.h"
 #include "render/scene/scene_limits.h"
@@ -41,8 +42,11 @@ class ServerConnection {
   void EndSessionOfDeleted(const std::string& scene_id,
                            const std::shared_ptr<SceneSession>& session);
 
-  // When a call that moves so many bytes must be over.
-  std::chrono::system_clock::time_point DeadlineFor(uint64_t bytes) const;
+  // Shows who calls, and sets when a call that moves so many bytes must be over.
+  void Prepare(grpc::ClientContext& context, uint64_t bytes) const {
+    ShowToken(options_.credentials, context);
+    context.set_deadline(DeadlineFor(bytes));
+  }
 
   // One unary call.
   template <typename Request, typename Response>
@@ -50,16 +54,19 @@ class ServerConnection {
                                                                       const Request&, Response*),
                     const Request& request, Response* response) {
     grpc::ClientContext context;
-    context.set_deadline(DeadlineFor(0));
+    Prepare(context, 0);
     return StatusOfCall(options_.address, ((*stub_).*method)(&context, request, response));
   }
 
  private:
-  explicit ServerConnection(RemoteEngineOptions options);
+  ServerConnection(RemoteEngineOptions options,
+                   std::shared_ptr<grpc::ChannelCredentials> credentials);
+  std::chrono::system_clock::time_point DeadlineFor(uint64_t bytes) const;
   absl::Status AskForInfo(v1::GetServerInfoResponse& info);
   absl::Status Greet();
 
   const RemoteEngineOptions options_;
+  const std::shared_ptr<grpc::ChannelCredentials> credentials_;
   std::unique_ptr<v1::PenumbraService::Stub> stub_;
   std::unique_ptr<BlobTransfer> blobs_;
   size_t max_message_bytes_ = size_t{1} << 20;  // unless the server tells another one

@@ -8,7 +8,8 @@ grpc::ServerUnaryReactor* PenumbraService::CreateScene(Context* context, const B
                                                        Bytes* response) {
   return AnswerUnaryOn<v1::CreateSceneRequest>(
       parts_.sessions.scenes.storage_lane(), parts_, context, request, response,
-      [this](const v1::CreateSceneRequest& message) -> absl::StatusOr<v1::CreateSceneResponse> {
+      [this](const v1::CreateSceneRequest& message,
+             const Caller&) -> absl::StatusOr<v1::CreateSceneResponse> {
         const auto info = parts_.sessions.scenes.Create(message.scene_id());
         if (!info.ok()) return info.status();
         v1::CreateSceneResponse created;

@@ -8,7 +8,8 @@ grpc::ServerUnaryReactor* PenumbraService::DeleteScene(Context* context, const B
                                                        Bytes* response) {
   return AnswerUnaryOn<v1::DeleteSceneRequest>(
       parts_.sessions.scenes.storage_lane(), parts_, context, request, response,
-      [this](const v1::DeleteSceneRequest& message) -> absl::StatusOr<v1::DeleteSceneResponse> {
+      [this](const v1::DeleteSceneRequest& message,
+             const Caller&) -> absl::StatusOr<v1::DeleteSceneResponse> {
         if (auto status = CheckId(message.scene_id(), "scene_id"); !status.ok()) return status;
         if (auto status = parts_.sessions.scenes.Delete(message.scene_id()); !status.ok()) {
           return status;

@@ -11,6 +11,7 @@
 #include "server/service/call_record.h"
 #include "server/service/idle_timer.h"
 #include "server/service/penumbra_service.h"
+#include "server/service/refused_stream.h"
 #include "server/session/bounded_parse.h"
 #include "server/session/wire_message.h"
 
@@ -22,12 +23,14 @@ constexpr size_t kEnvelopeBytes = 64;
 
 class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
  public:
-  DownloadReactor(const ServiceParts& parts, grpc::CallbackServerContext* context)
+  DownloadReactor(const ServiceParts& parts, const Caller& caller,
+                  grpc::CallbackServerContext* context)
       : parts_(parts),
         chunk_bytes_(parts.sessions.limits.max_message_bytes - kEnvelopeBytes),
-        timer_(IdleTimer::Start(context, parts.sessions.limits.transfer_idle_timeout)) {}
+        timer_(IdleTimer::Start(context, parts.sessions.limits.transfer_idle_timeout)),
+        right_(parts.guard.Follow(caller, nullptr, context)) {}
 
-  void Start(const grpc::ByteBuffer& request) {
+  void Start(const grpc::ByteBuffer& request, const Identity& identity) {
     v1::DownloadBlobRequest message;
     if (auto status = ParseBounded(request, parts_.sessions.limits, message); !status.ok()) {
       return End(status);
@@ -35,7 +38,7 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
     const auto hash = HashFromProto(message.hash(), "hash");
     if (!hash.ok()) return End(hash.status());
     auto content = parts_.sessions.blobs.FindBlob(*hash);
-    if (!content) {
+    if (!content || !parts_.sessions.blob_access.MaySee(identity, *hash)) {
       return End(FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "hash",
                             "found " + hash->hex() + ", need a stored blob"));
     }
@@ -53,6 +56,7 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   void OnDone() override {
     callbacks_.Take();
     timer_->Stop();
+    right_->Finish();
     delete this;
   }
 
@@ -82,6 +86,7 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
   CallRecord record_{parts_.sessions.counters, parts_.logger, "DownloadBlob"};
   const size_t chunk_bytes_;
   const std::shared_ptr<IdleTimer> timer_;
+  const std::shared_ptr<LiveCall> right_;
   std::optional<EncodedBlob> blob_;
   size_t sent_ = 0;
   grpc::ByteBuffer message_;
@@ -91,8 +96,10 @@ class DownloadReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> 
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* PenumbraService::DownloadBlob(Context* context,
                                                                           const Bytes* request) {
-  auto* reactor = new DownloadReactor(parts_, context);
-  reactor->Start(*request);
+  const auto caller = parts_.guard.Admit(*context, "DownloadBlob");
+  if (!caller.ok()) return new RefusedStream<grpc::ServerWriteReactor<Bytes>>(caller.status());
+  auto* reactor = new DownloadReactor(parts_, *caller, context);
+  reactor->Start(*request, caller->identity());
   return reactor;
 }
 

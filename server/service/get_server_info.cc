@@ -8,7 +8,7 @@ grpc::ServerUnaryReactor* PenumbraService::GetServerInfo(Context* context, const
                                                          Bytes* response) {
   return AnswerUnary<v1::GetServerInfoRequest>(
       parts_, context, request, response,
-      [&](const v1::GetServerInfoRequest&) -> absl::StatusOr<v1::GetServerInfoResponse> {
+      [&](const v1::GetServerInfoRequest&, const Caller& caller) -> absl::StatusOr<v1::GetServerInfoResponse> {
         v1::GetServerInfoResponse info;
         info.set_server_name(kServerName);
         info.add_protocol_versions(kProtocolVersion);
@@ -17,7 +17,10 @@ grpc::ServerUnaryReactor* PenumbraService::GetServerInfo(Context* context, const
         info.set_is_degraded(!info.gl().error().empty());
         info.set_thread_count(parts_.engine.cpu_threads());
         info.set_uptime_ms(UptimeMs(parts_));
-        *info.mutable_statistics() = StatisticsOf(parts_);
+        // They count what others do, which is for those who may see all of it.
+        if (caller.identity().scope.is_everything()) {
+          *info.mutable_statistics() = StatisticsOf(parts_);
+        }
         return info;
       });
 }

@@ -64,20 +64,27 @@ grpc::ServerUnaryReactor* PenumbraService::GetServerStatus(Context* context, con
                                                            Bytes* response) {
   return AnswerUnary<v1::GetServerStatusRequest>(
       parts_, context, request, response,
-      [&](const v1::GetServerStatusRequest&) -> absl::StatusOr<v1::GetServerStatusResponse> {
+      [&](const v1::GetServerStatusRequest&,
+          const Caller& caller) -> absl::StatusOr<v1::GetServerStatusResponse> {
         v1::GetServerStatusResponse status;
         status.set_server_name(kServerName);
         status.set_uptime_ms(UptimeMs(parts_));
         status.set_is_degraded(!parts_.gl_info().error().empty());
-        *status.mutable_statistics() = StatisticsOf(parts_);
+        // They count what others do, which is for those who may see all of it.
+        if (caller.identity().scope.is_everything()) {
+          *status.mutable_statistics() = StatisticsOf(parts_);
+        }
         const auto sessions = parts_.sessions.ledger.List();
         std::map<std::string, uint64_t> clients;
         for (const SessionSummary& session : sessions) ++clients[session.scene_id];
         BoundedAnswer answer(status, parts_.sessions.limits.max_message_bytes);
+        const SceneScope& scope = caller.identity().scope;
         for (const auto& load : parts_.engine.scene_loads()) {
+          if (!scope.Contains(load.scene.id)) continue;
           answer.Add(ToProto(load, clients[load.scene.id]), *status.mutable_scenes());
         }
         for (const SessionSummary& session : sessions) {
+          if (!scope.Contains(session.scene_id)) continue;
           answer.Add(ToProto(session), *status.mutable_clients());
         }
         return status;

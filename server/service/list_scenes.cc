@@ -13,7 +13,8 @@ grpc::ServerUnaryReactor* PenumbraService::ListScenes(Context* context, const By
                                                       Bytes* response) {
   return AnswerUnary<v1::ListScenesRequest>(
       parts_, context, request, response,
-      [&](const v1::ListScenesRequest&) -> absl::StatusOr<v1::ListScenesResponse> {
+      [&](const v1::ListScenesRequest&,
+          const Caller& caller) -> absl::StatusOr<v1::ListScenesResponse> {
         const auto infos = parts_.sessions.scenes.List();
         if (!infos.ok()) return infos.status();
         v1::ListScenesResponse list;
@@ -24,7 +25,9 @@ grpc::ServerUnaryReactor* PenumbraService::ListScenes(Context* context, const By
           scenes[id].set_damage(std::string(status.message()));
         }
         for (const SceneInfo& info : *infos) scenes[info.id] = ToProto(info);
-        for (auto& [id, info] : scenes) *list.add_scenes() = std::move(info);
+        for (auto& [id, info] : scenes) {
+          if (caller.identity().scope.Contains(id)) *list.add_scenes() = std::move(info);
+        }
         return list;
       });
 }

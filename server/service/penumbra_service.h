@@ -12,6 +12,7 @@
 #include "render/engine/local_engine.h"
 #include "render/engine/worker_pool.h"
 #include "server/log/logger.h"
+#include "server/security/call_guard.h"
 #include "server/session/session.h"
 #include "server/session/session_table.h"
 
@@ -19,6 +20,7 @@ namespace penumbra {
 
 // What the calls work with. All of it outlives the service.
 struct ServiceParts {
+  const CallGuard& guard;  // every call asks it first
   SessionServices sessions;
   SessionTable& session_table;
   LocalEngine& engine;

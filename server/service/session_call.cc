@@ -8,6 +8,7 @@
 #include "render/math/hand_over.h"
 #include "server/service/call_record.h"
 #include "server/service/penumbra_service.h"
+#include "server/service/refused_stream.h"
 
 namespace penumbra {
 namespace {
@@ -23,13 +24,14 @@ struct Gate {
 // Carries a session's bytes: one read and one write at a time.
 class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  SessionReactor(const ServiceParts& parts, grpc::CallbackServerContext& context)
+  SessionReactor(const ServiceParts& parts, const Caller& caller,
+                 grpc::CallbackServerContext* context)
       : record_(parts.sessions.counters, parts.logger, "Session"),
-        context_(context),
+        context_(*context),
         gate_(std::make_shared<Gate>()) {
     gate_->reactor = this;
     session_ = Session::Create(
-        parts.sessions,
+        parts.sessions, caller,
         [gate = gate_] {
           std::lock_guard lock(gate->mutex);
           if (gate->reactor) gate->reactor->Pump();
@@ -38,6 +40,12 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
           std::lock_guard lock(gate->mutex);
           if (gate->reactor) gate->reactor->LetGo(reason);
         });
+    right_ = parts.guard.Follow(
+        caller,
+        [weak = std::weak_ptr(session_)](const absl::Status& status) {
+          if (const auto session = weak.lock()) session->End(status);
+        },
+        context);
     if (auto status = parts.session_table.Add(session_); !status.ok()) session_->End(status);
     std::lock_guard lock(gate_->mutex);
     Pump();
@@ -73,6 +81,7 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
       std::lock_guard lock(gate_->mutex);
       gate_->reactor = nullptr;
     }
+    right_->Finish();
     session_->Close();
     delete this;
   }
@@ -118,6 +127,7 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
   grpc::CallbackServerContext& context_;
   const std::shared_ptr<Gate> gate_;
   std::shared_ptr<Session> session_;
+  std::shared_ptr<LiveCall> right_;
   grpc::ByteBuffer request_;
   grpc::ByteBuffer response_;
   bool is_writing_ = false;
@@ -129,7 +139,11 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* PenumbraService::Session(
     Context* context) {
-  return new SessionReactor(parts_, *context);
+  const auto caller = parts_.guard.Admit(*context, "Session");
+  if (!caller.ok()) {
+    return new RefusedStream<grpc::ServerBidiReactor<Bytes, Bytes>>(caller.status());
+  }
+  return new SessionReactor(parts_, *caller, context);
 }
 
 }  // namespace penumbra

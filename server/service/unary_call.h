@@ -1,4 +1,4 @@
-// A unary call from bytes to bytes.
+// A unary call from bytes to bytes, past the guard.
 #pragma once
 
 #include <memory>
@@ -17,58 +17,64 @@
 
 namespace penumbra {
 
-// "CreateScene" for CreateSceneRequest.
+// "CreateScene" for a CreateSceneRequest, as the protocol names all its messages.
 template <typename Request>
 std::string MethodOf() {
-  const std::string& name = Request::descriptor()->name();
-  return name.substr(0, name.rfind("Request"));
+  std::string name = Request::descriptor()->name();
+  constexpr std::string_view kSuffix = "Request";
+  return name.erase(name.size() - kSuffix.size());
 }
 
-// `answer` takes a Request and gives an absl::StatusOr of the response. It must not take long.
+// The answer of `answer(message, caller)`, an absl::StatusOr of the response, to those who may make
+// the call and, where the request names a scene, on that.
 template <typename Request, typename Answer>
-grpc::ServerUnaryReactor* AnswerUnary(const ServiceParts& parts,
-                                      grpc::CallbackServerContext* context,
-                                      const grpc::ByteBuffer* request, grpc::ByteBuffer* response,
-                                      Answer answer) {
-  CallRecord record(parts.sessions.counters, parts.logger, MethodOf<Request>());
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+auto AnswerIfAllowed(grpc::CallbackServerContext& context, const ServiceParts& parts,
+                     const grpc::ByteBuffer& request, const Answer& answer)
+    -> decltype(answer(std::declval<const Request&>(), std::declval<const Caller&>())) {
+  const std::string name = MethodOf<Request>();
+  const auto caller = parts.guard.Admit(context, name);
+  if (!caller.ok()) return caller.status();
   Request message;
-  absl::Status status = ParseBounded(*request, parts.sessions.limits, message);
-  if (status.ok()) {
-    const auto result = answer(message);
-    status = result.status();
-    if (result.ok()) *response = ToBytes(*result);
+  if (auto status = ParseBounded(request, parts.sessions.limits, message); !status.ok()) {
+    return status;
   }
-  record.End(status);
-  reactor->Finish(ToGrpcStatus(status));
-  return reactor;
+  if constexpr (requires { message.scene_id(); }) {
+    if (auto status = caller->Authorize(name, message.scene_id()); !status.ok()) return status;
+  }
+  return answer(message, *caller);
 }
 
-// The same on a thread of `lane`, where `answer` may wait for the disk; at once where there is none.
-// `answer` is kept until then.
+// Finishes the call with that. `answer` may wait for the disk where `lane` is one, on whose thread it
+// then runs; where there is none it must not take long.
 template <typename Request, typename Answer>
 grpc::ServerUnaryReactor* AnswerUnaryOn(WorkerPool::Lane* lane, const ServiceParts& parts,
                                         grpc::CallbackServerContext* context,
                                         const grpc::ByteBuffer* request,
                                         grpc::ByteBuffer* response, Answer answer) {
-  if (!lane) return AnswerUnary<Request>(parts, context, request, response, std::move(answer));
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  const auto record = std::make_shared<CallRecord>(parts.sessions.counters, parts.logger,
-                                                   MethodOf<Request>());
-  Request message;
-  if (auto status = ParseBounded(*request, parts.sessions.limits, message); !status.ok()) {
-    record->End(status);
-    reactor->Finish(ToGrpcStatus(status));
-    return reactor;
-  }
-  lane->Post([reactor, response, record, message = std::move(message),
-              answer = std::move(answer)] {
-    const auto result = answer(message);
+  const auto record =
+      std::make_shared<CallRecord>(parts.sessions.counters, parts.logger, MethodOf<Request>());
+  auto finish = [&parts, context, request, response, reactor, record,
+                 answer = std::move(answer)] {
+    const auto result = AnswerIfAllowed<Request>(*context, parts, *request, answer);
     if (result.ok()) *response = ToBytes(*result);
     record->End(result.status());
     reactor->Finish(ToGrpcStatus(result.status()));
-  });
+  };
+  if (lane) {
+    lane->Post(std::move(finish));
+  } else {
+    finish();
+  }
   return reactor;
+}
+
+template <typename Request, typename Answer>
+grpc::ServerUnaryReactor* AnswerUnary(const ServiceParts& parts,
+                                      grpc::CallbackServerContext* context,
+                                      const grpc::ByteBuffer* request, grpc::ByteBuffer* response,
+                                      Answer answer) {
+  return AnswerUnaryOn<Request>(nullptr, parts, context, request, response, std::move(answer));
 }
 
 }  // namespace penumbra

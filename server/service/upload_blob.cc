@@ -9,6 +9,7 @@
 #include "server/service/call_record.h"
 #include "server/service/idle_timer.h"
 #include "server/service/penumbra_service.h"
+#include "server/service/refused_stream.h"
 #include "server/session/bounded_parse.h"
 #include "server/session/wire_message.h"
 
@@ -20,11 +21,13 @@ constexpr uint64_t kLongBlobBytes = 512u << 10;
 
 class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
-  UploadReactor(const ServiceParts& parts, grpc::CallbackServerContext* context,
-                grpc::ByteBuffer* response)
+  UploadReactor(const ServiceParts& parts, const Caller& caller,
+                grpc::CallbackServerContext* context, grpc::ByteBuffer* response)
       : parts_(parts),
+        identity_(caller.identity()),
         response_bytes_(response),
-        timer_(IdleTimer::Start(context, parts.sessions.limits.transfer_idle_timeout)) {
+        timer_(IdleTimer::Start(context, parts.sessions.limits.transfer_idle_timeout)),
+        right_(parts.guard.Follow(caller, nullptr, context)) {
     ReadNext();
   }
 
@@ -47,6 +50,7 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   void OnDone() override {
     callbacks_.Take();
     timer_->Stop();
+    right_->Finish();
     delete this;
   }
 
@@ -91,6 +95,7 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     const auto content = upload_->Finish();
     upload_.reset();
     if (!content.ok()) return Refuse(content.status());
+    parts_.sessions.blob_access.Remember(identity_, hash_);
     v1::StoredBlob& stored = *response_.add_blobs();
     stored.set_hash(ToProto(hash_));
     stored.set_degenerate_triangle_count(DegenerateTriangleCount(*content));
@@ -119,8 +124,10 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   HandOver callbacks_;  // gRPC calls one after another, on any of its threads
   const ServiceParts& parts_;
   CallRecord record_{parts_.sessions.counters, parts_.logger, "UploadBlob"};
+  const Identity identity_;
   grpc::ByteBuffer* const response_bytes_;
   const std::shared_ptr<IdleTimer> timer_;
+  const std::shared_ptr<LiveCall> right_;
   grpc::ByteBuffer bytes_;
   v1::UploadBlobResponse response_;
   // The blob under way; its reservation ends with it.
@@ -133,7 +140,9 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* PenumbraService::UploadBlob(Context* context,
                                                                        Bytes* response) {
-  return new UploadReactor(parts_, context, response);
+  const auto caller = parts_.guard.Admit(*context, "UploadBlob");
+  if (!caller.ok()) return new RefusedStream<grpc::ServerReadReactor<Bytes>>(caller.status());
+  return new UploadReactor(parts_, *caller, context, response);
 }
 
 }  // namespace penumbra

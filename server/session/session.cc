@@ -18,18 +18,21 @@ bool AllowsUpdates(const v1::SessionResponse& response) {
 
 }  // namespace
 
-Session::Session(const SessionServices& services, std::function<void()> wake, LetGo let_go)
+Session::Session(const SessionServices& services, const Caller& caller, std::function<void()> wake,
+                 LetGo let_go)
     : services_(services),
+      caller_(caller),
       wake_(std::move(wake)),
       let_go_(std::move(let_go)),
       record_(services.ledger.Open()),
       viewer_(std::to_string(record_->number())),
       mirror_(services.limits.max_message_bytes) {}
 
-std::shared_ptr<Session> Session::Create(const SessionServices& services,
+std::shared_ptr<Session> Session::Create(const SessionServices& services, const Caller& caller,
                                          std::function<void()> wake, LetGo let_go) {
   ++services.counters.open_sessions;
-  return std::shared_ptr<Session>(new Session(services, std::move(wake), std::move(let_go)));
+  return std::shared_ptr<Session>(
+      new Session(services, caller, std::move(wake), std::move(let_go)));
 }
 
 Session::~Session() {

@@ -1,6 +1,6 @@
 // What one client's session is, apart from its connection: requests go in, messages come out.
 //
-//   auto session = Session::Create(services, wake);
+//   auto session = Session::Create(services, caller, wake);
 //   session->OnRequest(bytes);                        // as they arrive, one at a time
 //   while (session->Next(…))                          // whenever there is room; after each `wake`
 //
@@ -22,6 +22,7 @@
 #include "absl/status/status.h"
 #include "grpcpp/support/byte_buffer.h"
 #include "penumbra/v1/session.pb.h"
+#include "server/security/caller.h"
 #include "server/session/scene_mirror.h"
 #include "server/session/session_ledger.h"
 #include "server/session/session_services.h"
@@ -37,7 +38,7 @@ class Session : public SceneWatcher,
   // `wake` is called, from any thread and without locks of the session's, when Next may have
   // something; `let_go` when the client is to be cut off, whatever is on its way to it.
   using LetGo = std::function<void(const absl::Status&)>;
-  static std::shared_ptr<Session> Create(const SessionServices& services,
+  static std::shared_ptr<Session> Create(const SessionServices& services, const Caller& caller,
                                          std::function<void()> wake, LetGo let_go);
   ~Session() override;
 
@@ -78,12 +79,13 @@ class Session : public SceneWatcher,
   };
   using FeedTable = std::map<uint64_t, std::unique_ptr<SubscriptionFeed>>;
 
-  Session(const SessionServices& services, std::function<void()> wake, LetGo let_go);
+  Session(const SessionServices& services, const Caller& caller, std::function<void()> wake,
+          LetGo let_go);
 
   absl::Status OnHello(const v1::Hello& hello);
   absl::Status CheckHello(const v1::Hello& hello) const;
   void Greet(const v1::Hello& hello, Reply& welcome);
-  void OnCommit(const v1::Commit& commit);
+  void OnCommit(const v1::Commit& commit, const absl::Status& allowed);
   void Apply(const v1::Commit& commit, CommitCallback done);
   void AnswerCommit(Reply& reply, const absl::StatusOr<CommitOutcome>& outcome);
   void OnSubscribe(const v1::Subscribe& subscribe);
@@ -113,6 +115,7 @@ class Session : public SceneWatcher,
   SubscriptionFeed* DueFeed();
 
   const SessionServices services_;
+  const Caller caller_;
   const std::function<void()> wake_;
   const LetGo let_go_;
   const std::shared_ptr<SessionRecord> record_;

@@ -20,6 +20,12 @@ absl::Status Invalid(const char* reason, const char* field, const std::string& t
   return FieldError(absl::StatusCode::kInvalidArgument, reason, field, text);
 }
 
+absl::Status MayOpen(const Caller& caller, const std::string& scene_id) {
+  absl::Status status = CheckId(scene_id, "scene_id");
+  if (status.ok()) status = caller.Authorize("Session.hello", scene_id);
+  return status.ok() ? status : WithFieldPrefix(status, "hello.");
+}
+
 }  // namespace
 
 absl::Status Session::OnHello(const v1::Hello& hello) {
@@ -29,7 +35,7 @@ absl::Status Session::OnHello(const v1::Hello& hello) {
   }
   if (auto status = CheckHello(hello); !status.ok()) return status;
   const auto& versions = hello.protocol_versions();
-  absl::Status refused = CheckId(hello.scene_id(), "hello.scene_id");
+  absl::Status refused = MayOpen(caller_, hello.scene_id());
   if (std::find(versions.begin(), versions.end(), kProtocolVersion) == versions.end()) {
     refused = FieldError(
         absl::StatusCode::kFailedPrecondition, "VERSION", "hello.protocol_versions",

@@ -23,6 +23,14 @@ absl::Status UnknownSubscription(uint64_t id) {
                     "found " + std::to_string(id) + ", need a subscription of this session");
 }
 
+// By the table of roles (rpc_roles.h). A request without a kind is none that could be refused.
+absl::Status MaySend(const Caller& caller, const v1::SessionRequest& request) {
+  const int kind = request.request_case();
+  if (kind == v1::SessionRequest::REQUEST_NOT_SET) return absl::OkStatus();
+  const auto* field = v1::SessionRequest::descriptor()->FindFieldByNumber(kind);
+  return caller.Authorize("Session." + field->name());
+}
+
 absl::Status Failed(const char* reason, const char* field, const std::string& text) {
   return FieldError(absl::StatusCode::kFailedPrecondition, reason, field, text);
 }
@@ -51,9 +59,11 @@ absl::Status Session::Dispatch(const v1::SessionRequest& request) {
   if (scene_id_.empty()) {
     return Failed("HELLO_REQUIRED", "request", "found another request, need a hello first");
   }
+  const absl::Status allowed = MaySend(caller_, request);
+  if (!allowed.ok() && !request.has_commit()) return allowed;
   switch (request.request_case()) {
     case v1::SessionRequest::kCommit:
-      OnCommit(request.commit());
+      OnCommit(request.commit(), allowed);
       return absl::OkStatus();
     case v1::SessionRequest::kSubscribe:
       OnSubscribe(request.subscribe());
@@ -93,7 +103,8 @@ void Session::Apply(const v1::Commit& commit, CommitCallback done) {
     if (!first.ok()) return done(first.status());
     if (*first) return done(**first);
   }
-  auto delta = FromProto(commit.delta(), services_.blobs);
+  const BlobsInScope blobs(services_.blobs, services_.blob_access, caller_.identity());
+  auto delta = FromProto(commit.delta(), blobs);
   if (!delta.ok()) return done(delta.status());
   services_.scenes.Commit(scene_id_,
                           {.delta = *std::move(delta),
@@ -103,7 +114,7 @@ void Session::Apply(const v1::Commit& commit, CommitCallback done) {
                           weak_from_this(), std::move(done));
 }
 
-void Session::OnCommit(const v1::Commit& commit) {
+void Session::OnCommit(const v1::Commit& commit, const absl::Status& allowed) {
   const auto reply = std::make_shared<Reply>(Reply{.is_ready = false});
   reply->response.mutable_commit_result()->set_commit_id(commit.commit_id());
   {
@@ -111,6 +122,7 @@ void Session::OnCommit(const v1::Commit& commit) {
     if (end_ || closed_) return;
     replies_.push_back(reply);
   }
+  if (!allowed.ok()) return AnswerCommit(*reply, allowed);
   Apply(commit, [weak = weak_from_this(), reply](const absl::StatusOr<CommitOutcome>& outcome) {
     if (const auto session = weak.lock()) session->AnswerCommit(*reply, outcome);
   });

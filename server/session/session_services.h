@@ -5,6 +5,7 @@
 #include "server/limits.h"
 #include "server/scene_store/blob_store.h"
 #include "server/scene_store/scene_store.h"
+#include "server/security/blob_access.h"
 #include "server/session/artifact_stream.h"
 #include "server/session/presence.h"
 #include "server/session/session_ledger.h"
@@ -15,6 +16,7 @@ namespace penumbra {
 struct SessionServices {
   SceneStore& scenes;
   BlobStore& blobs;
+  BlobAccess& blob_access;
   StreamTable& streams;
   PresenceTable& presence;
   const ServerLimits& limits;

@@ -1,0 +1,37 @@
+#include "server/security/bearer_token.h"
+
+#include <openssl/rand.h>
+
+#include <array>
+#include <cstdlib>
+#include <span>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/string_view.h"
+#include "server/security/base64url.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::string_view kPrefix = "penumbra_";
+constexpr size_t kRandomBytes = 32;
+
+}  // namespace
+
+std::string MakeBearerToken() {
+  std::array<unsigned char, kRandomBytes> bytes;
+  // Without randomness there is no token; that is a machine that cannot do TLS either.
+  if (RAND_bytes(bytes.data(), bytes.size()) != 1) std::abort();
+  return std::string(kPrefix) + absl::WebSafeBase64Escape(absl::string_view(
+                                    reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+bool IsBearerToken(std::string_view text) {
+  if (!text.starts_with(kPrefix)) return false;
+  const auto bytes = DecodeBase64Url(text.substr(kPrefix.size()));
+  return bytes && bytes->size() == kRandomBytes;
+}
+
+ContentHash HashOfToken(std::string_view token) { return Sha256(std::as_bytes(std::span(token))); }
+
+}  // namespace penumbra
