@@ -92,6 +92,12 @@ void AddOptions(CLI::App& app, CommandLine& command) {
   app.add_option("--egl-device", command.server.egl_device,
                  "EGL device, by number or part of its name; default: the first hardware device, "
                  "else software");
+  app.add_flag("--require-gpu", command.server.require_gpu,
+               "Do not start where there is a software device only");
+  app.add_option("--gpu-memory", command.server.gpu_memory_bytes,
+                 "Bytes of GPU memory to use at most, with K, M or G; default: three quarters of "
+                 "the device's, 1G in software")
+      ->transform(CLI::AsSizeValue(false));
   app.add_flag("--reflection", command.server.reflection,
                "Let clients ask for the service's description");
   app.add_option("--drain-seconds", command.drain_seconds,

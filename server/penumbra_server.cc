@@ -10,6 +10,7 @@
 #include "render/engine/worker_pool.h"
 #include "render/gl/worker.h"
 #include "render/scene/field_error.h"
+#include "server/gl_health.h"
 #include "server/listen_address.h"
 #include "server/service/penumbra_service.h"
 #include "server/transport.h"
@@ -17,8 +18,6 @@
 namespace penumbra {
 namespace {
 
-// What the health service calls the GL; it is not serving where the server is degraded.
-constexpr char kGlHealthName[] = "penumbra.gl";
 constexpr int kBlobWorkers = 1;  // a blob takes one core; uploads that come together take turns
 
 double SteadyNowMs() {
@@ -45,9 +44,26 @@ LocalEngineOptions EngineOptions(const ServerOptions& options, const GlWorker& g
           .technique_for = options.technique_for};
 }
 
-GlWorker OpenGl(const ServerOptions& options) {
+GlWorker OpenGl(const ServerOptions& options, GlHealth& health) {
   if (!options.opens_gl) return absl::UnavailableError("switched off");
-  return gl::Worker::Create({.context = {.device = options.egl_device}});
+  auto worker = gl::Worker::Create(
+      {.context = {.device = options.egl_device,
+                   .max_memory_bytes = options.gpu_memory_bytes,
+                   .now_ms = SteadyNowMs,
+                   .inject_fault = options.inject_gl_fault},
+       .on_health_change = [&health](bool is_degraded) { health.Set(!is_degraded); }});
+  health.Set(worker.ok());
+  return worker;
+}
+
+absl::Status CheckGpu(const ServerOptions& options, const GlWorker& worker) {
+  if (!options.require_gpu) return absl::OkStatus();
+  if (worker.ok() && !(*worker)->info().is_software) return absl::OkStatus();
+  return FieldError(absl::StatusCode::kFailedPrecondition, "NO_GPU", "require-gpu",
+                    "found " +
+                        (worker.ok() ? (*worker)->info().renderer + ", which is software"
+                                     : std::string(worker.status().message())) +
+                        ", need a hardware device");
 }
 
 v1::GlInfo GlInfoOf(const GlWorker& worker) {
@@ -56,6 +72,7 @@ v1::GlInfo GlInfoOf(const GlWorker& worker) {
     proto.set_error(std::string(worker.status().message()));
     return proto;
   }
+  proto.set_error((*worker)->health().reason());
   const gl::ContextInfo info = (*worker)->info();
   proto.set_device(info.device.name);
   proto.set_vendor(info.vendor);
@@ -70,12 +87,13 @@ v1::GlInfo GlInfoOf(const GlWorker& worker) {
 struct PenumbraServer::Parts {
   explicit Parts(const ServerOptions& options)
       : limits(options.limits),
-        gl_worker(OpenGl(options)),
+        gl_worker(OpenGl(options, gl_health)),
         engine(EngineOptions(options, gl_worker)) {}
 
   const ServerLimits limits;
   ServerCounters counters;
   StreamServices stream_services{counters};
+  GlHealth gl_health;
   const GlWorker gl_worker;
   LocalEngine engine;
   BlobStore blobs{limits};
@@ -104,6 +122,7 @@ absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
   if (auto status = CheckListenAddress(options.listen); !status.ok()) return status;
   if (auto status = TryListening(options.listen); !status.ok()) return status;
   auto parts = std::make_unique<Parts>(options);
+  if (auto status = CheckGpu(options, parts->gl_worker); !status.ok()) return status;
   PrepareTransport();
   grpc::ServerBuilder builder;
   ConfigureTransport(options.limits, options.reflection, builder);
@@ -121,7 +140,7 @@ absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
   }
   parts->server->GetHealthCheckService()->SetServingStatus(v1::PenumbraService::service_full_name(),
                                                            true);
-  parts->server->GetHealthCheckService()->SetServingStatus(kGlHealthName, parts->gl_worker.ok());
+  parts->gl_health.Attach(parts->server->GetHealthCheckService());
   return std::unique_ptr<PenumbraServer>(new PenumbraServer(std::move(parts)));
 }
 
@@ -129,11 +148,11 @@ PenumbraServer::~PenumbraServer() { Shutdown(std::chrono::milliseconds(0)); }
 
 const std::string& PenumbraServer::address() const { return parts_->address; }
 
-bool PenumbraServer::is_degraded() const { return !parts_->gl_worker.ok(); }
+bool PenumbraServer::is_degraded() const { return !GlInfoOf(parts_->gl_worker).error().empty(); }
 
 std::string PenumbraServer::gl_summary() const {
   const v1::GlInfo info = GlInfoOf(parts_->gl_worker);
-  if (!info.error().empty()) return "none: " + info.error();
+  if (info.renderer().empty()) return "none: " + info.error();
   return info.renderer() + ", OpenGL " + info.version() + ", EGL device " + info.device();
 }
 
@@ -143,6 +162,7 @@ void PenumbraServer::Shutdown(std::chrono::milliseconds drain) {
                                      "the server is shutting down"));
   parts_->server->Shutdown(std::chrono::system_clock::now() + drain);
   parts_->server->Wait();
+  parts_->gl_health.Detach();
   parts_->server.reset();
   parts_->blob_workers.Stop();
 }
