@@ -27,6 +27,12 @@ void AddServing(CLI::App& app, ServerOptions& server) {
   app.add_option("--egl-device", server.egl_device,
                  "EGL device, by number or part of its name; default: the first hardware device, "
                  "else software");
+  app.add_flag("--require-gpu", server.require_gpu,
+               "Do not start where there is a software device only");
+  app.add_option("--gpu-memory", server.gpu_memory_bytes,
+                 "Bytes of GPU memory to use at most, with K, M or G; default: three quarters of "
+                 "the device's, 1G in software")
+      ->transform(CLI::AsSizeValue(false));
   app.add_option("--data-dir", server.data_dir,
                  "Folder to keep scenes in, which are there again when the server starts anew; "
                  "default: none is kept");

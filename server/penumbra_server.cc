@@ -11,22 +11,21 @@
 #include "render/engine/worker_pool.h"
 #include "render/gl/worker.h"
 #include "render/scene/field_error.h"
+#include "server/gl_health.h"
 #include "server/listen_address.h"
 #include "server/metrics/job_notes.h"
 #include "server/metrics/metrics_collector.h"
 #include "server/metrics/metrics_endpoint.h"
-#include "server/server_identity.h"
 #include "server/security/blob_access.h"
 #include "server/security/listening_sockets.h"
 #include "server/security/server_security.h"
+#include "server/server_identity.h"
 #include "server/service/penumbra_service.h"
 #include "server/transport.h"
 
 namespace penumbra {
 namespace {
 
-// What the health service calls the GL; it is not serving where the server is degraded.
-constexpr char kGlHealthName[] = "penumbra.gl";
 constexpr int kBlobWorkers = 1;  // a blob takes one core; uploads that come together take turns
 
 double SteadyNowMs() {
@@ -62,9 +61,26 @@ LocalEngineOptions EngineOptions(const ServerOptions& options, const GlWorker& g
           .technique_for = options.technique_for};
 }
 
-GlWorker OpenGl(const ServerOptions& options) {
+GlWorker OpenGl(const ServerOptions& options, GlHealth& health) {
   if (!options.opens_gl) return absl::UnavailableError("switched off");
-  return gl::Worker::Create({.context = {.device = options.egl_device}});
+  auto worker = gl::Worker::Create(
+      {.context = {.device = options.egl_device,
+                   .max_memory_bytes = options.gpu_memory_bytes,
+                   .now_ms = SteadyNowMs,
+                   .inject_fault = options.inject_gl_fault},
+       .on_health_change = [&health](bool is_degraded) { health.Set(!is_degraded); }});
+  health.Set(worker.ok());
+  return worker;
+}
+
+absl::Status CheckGpu(const ServerOptions& options, const GlWorker& worker) {
+  if (!options.require_gpu) return absl::OkStatus();
+  if (worker.ok() && !(*worker)->info().is_software) return absl::OkStatus();
+  return FieldError(absl::StatusCode::kFailedPrecondition, "NO_GPU", "require-gpu",
+                    "found " +
+                        (worker.ok() ? (*worker)->info().renderer + ", which is software"
+                                     : std::string(worker.status().message())) +
+                        ", need a hardware device");
 }
 
 v1::GlInfo GlInfoOf(const GlWorker& worker) {
@@ -73,6 +89,7 @@ v1::GlInfo GlInfoOf(const GlWorker& worker) {
     proto.set_error(std::string(worker.status().message()));
     return proto;
   }
+  proto.set_error((*worker)->health().reason());
   const gl::ContextInfo info = (*worker)->info();
   proto.set_device(info.device.name);
   proto.set_vendor(info.vendor);
@@ -96,12 +113,14 @@ struct PenumbraServer::Parts {
         logger(*options.logger),
         security(std::move(guarding)),
         storage(std::move(opened)),
-        gl_worker(OpenGl(options)),
+        gl_worker(OpenGl(options, gl_health)),
         engine(EngineOptions(options, gl_worker, counters)) {
     if (storage) blobs.KeepOn(storage->blob_files());
     scenes.Restore();
   }
 
+  absl::Status ServeMetrics(const ServerOptions& options);
+  absl::Status Listen(const ServerOptions& options, ListeningSockets sockets);
   MetricsGauges Gauges() const;
 
   const ServerLimits limits;
@@ -111,6 +130,7 @@ struct PenumbraServer::Parts {
   SessionLedger ledger{counters, logger};
   StreamServices stream_services{counters};
   const std::unique_ptr<SceneStorage> storage;  // null: scenes live in memory
+  GlHealth gl_health;
   const GlWorker gl_worker;
   LocalEngine engine;
   BlobStore blobs{limits};
@@ -150,7 +170,7 @@ MetricsGauges PenumbraServer::Parts::Gauges() const {
                        .blobs = blobs.blob_count(),
                        .blob_bytes = blobs.blob_bytes(),
                        .uptime_seconds = uptime.count(),
-                       .is_degraded = !gl_worker.ok(),
+                       .is_degraded = !gl.error().empty(),
                        .gl_vendor = gl.vendor(),
                        .gl_renderer = gl.renderer(),
                        .gl_version = gl.version(),
@@ -175,44 +195,53 @@ absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
   auto storage = OpenStorage(options);
   if (!storage.ok()) return storage.status();
   auto parts = std::make_unique<Parts>(options, *std::move(security), *std::move(storage));
-  if (!options.metrics_listen.empty()) {
-    auto metrics = MetricsEndpoint::Open(
-        options.metrics_listen, std::make_shared<MetricsCollector>(
-                                    parts->counters, [&parts = *parts] { return parts.Gauges(); }));
-    if (!metrics.ok()) return metrics.status();
-    parts->metrics = *std::move(metrics);
-  }
+  if (auto status = CheckGpu(options, parts->gl_worker); !status.ok()) return status;
+  if (auto status = parts->ServeMetrics(options); !status.ok()) return status;
+  if (auto status = parts->Listen(options, *std::move(sockets)); !status.ok()) return status;
+  std::unique_ptr<PenumbraServer> server(new PenumbraServer(std::move(parts)));
+  server->LogStart(options);
+  return server;
+}
+
+absl::Status PenumbraServer::Parts::ServeMetrics(const ServerOptions& options) {
+  if (options.metrics_listen.empty()) return absl::OkStatus();
+  auto opened = MetricsEndpoint::Open(
+      options.metrics_listen,
+      std::make_shared<MetricsCollector>(counters, [this] { return Gauges(); }));
+  if (!opened.ok()) return opened.status();
+  metrics = *std::move(opened);
+  return absl::OkStatus();
+}
+
+absl::Status PenumbraServer::Parts::Listen(const ServerOptions& options, ListeningSockets sockets) {
   PrepareTransport();
   grpc::ServerBuilder builder;
   ConfigureTransport(options.limits, options.reflection, builder);
   using Connections = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
-  parts->acceptor = builder.experimental().AddExternalConnectionAcceptor(
-      Connections::FROM_FD, parts->security->MakeCredentials());
-  builder.RegisterService(&parts->service);
-  parts->server = builder.BuildAndStart();
-  if (!parts->server) return CannotListen(options.listen, "gRPC does not start");
-  parts->address = sockets->address();
-  parts->server->GetHealthCheckService()->SetServingStatus(v1::PenumbraService::service_full_name(),
-                                                           true);
-  parts->server->GetHealthCheckService()->SetServingStatus(kGlHealthName, parts->gl_worker.ok());
-  parts->accept_loop = std::make_unique<AcceptLoop>(
-      *std::move(sockets), parts->security->connections(),
-      [acceptor = parts->acceptor.get()](int listener, int fd) {
+  acceptor = builder.experimental().AddExternalConnectionAcceptor(Connections::FROM_FD,
+                                                                  security->MakeCredentials());
+  builder.RegisterService(&service);
+  server = builder.BuildAndStart();
+  if (!server) return CannotListen(options.listen, "gRPC does not start");
+  address = sockets.address();
+  server->GetHealthCheckService()->SetServingStatus(v1::PenumbraService::service_full_name(), true);
+  gl_health.Attach(server->GetHealthCheckService());
+  accept_loop = std::make_unique<AcceptLoop>(
+      std::move(sockets), security->connections(),
+      [acceptor = acceptor.get()](int listener, int fd) {
         grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
         connection.listener_fd = listener;
         connection.fd = fd;
         acceptor->HandleNewConnection(&connection);
       });
-  std::unique_ptr<PenumbraServer> server(new PenumbraServer(std::move(parts)));
-  server->LogStart(options);
-  return server;
+  return absl::OkStatus();
 }
 
 PenumbraServer::~PenumbraServer() { Shutdown(std::chrono::milliseconds(0)); }
 
 const std::string& PenumbraServer::address() const { return parts_->address; }
 
-bool PenumbraServer::is_degraded() const { return !parts_->gl_worker.ok(); }
+bool PenumbraServer::is_degraded() const { return !GlInfoOf(parts_->gl_worker).error().empty(); }
 
 const std::string& PenumbraServer::metrics_address() const {
   static const std::string none;
@@ -258,6 +287,7 @@ void PenumbraServer::Shutdown(std::chrono::milliseconds drain) {
   parts_->accept_loop.reset();
   parts_->server->Shutdown(std::min(deadline, system_clock::now() + kLastWords));
   parts_->server->Wait();
+  parts_->gl_health.Detach();
   parts_->server.reset();
   parts_->blob_workers.Stop();
   if (parts_->storage) parts_->storage->Stop();

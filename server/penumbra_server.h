@@ -13,6 +13,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "render/gl/fault.h"
 #include "render/technique/technique.h"
 #include "server/limits.h"
 #include "server/log/logger.h"
@@ -27,6 +28,9 @@ struct ServerOptions {
   int runners = 2;                        // artifacts that are computed at a time, besides points
   std::string egl_device;                 // see gl::Display::Open
   bool opens_gl = true;                   // otherwise the server is degraded
+  bool require_gpu = false;               // start on a hardware device or not at all
+  size_t gpu_memory_bytes = 0;            // see gl::ContextOptions::max_memory_bytes
+  gl::FaultInjector inject_gl_fault = nullptr;  // of tests
   bool reflection = false;
   std::string metrics_listen;  // see MetricsEndpoint; empty: no metrics are served
   std::string data_dir;        // where scenes are kept; empty: in memory only, gone with the server
@@ -43,7 +47,7 @@ class PenumbraServer {
   // Listens when it returns. Without an EGL device it starts, and says that it is degraded.
   //
   // Errors  those of CheckSecurity, ServerSecurity::Create, listen_address.h, DataDirectory and
-  //         MetricsEndpoint::Open
+  //         MetricsEndpoint::Open; kFailedPrecondition NO_GPU: options.require_gpu
   static absl::StatusOr<std::unique_ptr<PenumbraServer>> Start(const ServerOptions& options);
   ~PenumbraServer();  // Shutdown without a wait
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "client/cli/run_command.h"
 #include "client/cli/open_engine.h"
+#include "client/cli/run_command.h"
 #include "client/cli/server_json.h"
 #include "client/cli/status_table.h"
 

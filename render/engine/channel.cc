@@ -137,9 +137,10 @@ absl::StatusOr<std::shared_ptr<const Artifact>> Channel::Compute(const Scene& sc
                                .now_ms = resources_.now_ms,
                                .memory = &memory_};
   try {
-    absl::StatusOr<Artifact> artifact = technique_.NeedsGl(spec_)
-                                            ? ComputeOnGl(scene, context)
-                                            : technique_.Compute(scene, spec_, context);
+    absl::StatusOr<Artifact> artifact =
+        technique_.NeedsGl(spec_)
+            ? ComputeOnGl(technique_, scene, spec_, context, resources_.gl_worker)
+            : technique_.Compute(scene, spec_, context);
     if (!artifact.ok()) return artifact.status();
     return std::make_shared<const Artifact>(*std::move(artifact));
   } catch (const std::bad_alloc&) {
@@ -149,33 +150,6 @@ absl::StatusOr<std::shared_ptr<const Artifact>> Channel::Compute(const Scene& sc
     return absl::InternalError(
         absl::StrCat(std::string(technique_.info().name), ": ", error.what()));
   }
-}
-
-absl::StatusOr<Artifact> Channel::ComputeOnGl(const Scene& scene, ComputeContext context) {
-  const auto worker = resources_.gl_worker
-                          ? resources_.gl_worker()
-                          : absl::UnavailableError("this engine was made without OpenGL");
-  if (!worker.ok()) {
-    context.gl_error = std::string(worker.status().message());
-    return technique_.Compute(scene, spec_, context);
-  }
-  absl::StatusOr<Artifact> artifact = absl::UnavailableError("GL worker: the job did not run");
-  // What the technique throws must not end the worker's thread.
-  std::exception_ptr thrown;
-  const absl::Status status = (*worker)->Run([&](gl::Context& gl_context) {
-    ComputeContext on_gl = context;
-    on_gl.gl = &gl_context;
-    thrown = nullptr;
-    try {
-      artifact = technique_.Compute(scene, spec_, on_gl);
-    } catch (...) {
-      thrown = std::current_exception();
-    }
-    return artifact.status();
-  });
-  if (thrown) std::rethrow_exception(thrown);
-  if (!status.ok()) return status;
-  return artifact;
 }
 
 void Channel::OnPass(Artifact artifact) {

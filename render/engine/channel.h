@@ -19,18 +19,15 @@
 
 #include "render/engine/engine.h"
 #include "render/engine/engine_statistics.h"
+#include "render/engine/gl_job.h"
 #include "render/engine/job_queue.h"
 #include "render/engine/job_report.h"
 #include "render/engine/scene_change.h"
 #include "render/engine/subscriber.h"
-#include "render/gl/worker.h"
 #include "render/technique/technique.h"
 #include "tbb/task_arena.h"
 
 namespace penumbra {
-
-// The worker for jobs that take GL; may make it when it is first asked. An error: there is none.
-using GlWorkerSource = std::function<absl::StatusOr<gl::Worker*>()>;
 
 // What jobs run on. Outlives the jobs, not the channels.
 struct JobResources {
@@ -97,8 +94,6 @@ class Channel : public std::enable_shared_from_this<Channel> {
 
   void OnPass(Artifact artifact);
   absl::StatusOr<std::shared_ptr<const Artifact>> Compute(const Scene& scene, std::stop_token stop);
-  // On a GL worker's thread, again after the context was lost; without one on this thread.
-  absl::StatusOr<Artifact> ComputeOnGl(const Scene& scene, ComputeContext context);
 
   const ArtifactSpec spec_;
   const Technique& technique_;

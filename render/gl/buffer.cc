@@ -26,9 +26,12 @@ absl::StatusOr<Buffer> Buffer::Create(Context& context, size_t size) {
 
 absl::StatusOr<Buffer> Buffer::Create(Context& context, std::span<const std::byte> content) {
   if (absl::Status status = context.MakeCurrent(); !status.ok()) return status;
+  auto memory = context.TakeMemory(content.size(), "gl::Buffer");
+  if (!memory.ok()) return memory.status();
   GLuint name = 0;
   glCreateBuffers(1, &name);
   Buffer buffer;
+  buffer.memory_ = *std::move(memory);
   buffer.name_ = ObjectName(context, name, &Delete);
   buffer.size_ = content.size();
   // GL refuses buffers of no bytes.

@@ -15,7 +15,7 @@ namespace penumbra::gl {
 
 class Buffer {
  public:
-  // A buffer of `size` bytes, zeroed. Errors  kResourceExhausted: out of memory
+  // A buffer of `size` bytes, zeroed. Errors  those of Context::TakeMemory and Context::Check
   static absl::StatusOr<Buffer> Create(Context& context, size_t size);
   // A buffer that holds `content`.
   static absl::StatusOr<Buffer> Create(Context& context, std::span<const std::byte> content);
@@ -31,6 +31,7 @@ class Buffer {
   void BindUniforms(Context& context, uint32_t binding) const;
 
  private:
+  MemoryBudget::Lease memory_;
   ObjectName name_;
   size_t size_ = 0;
 };

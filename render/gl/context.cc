@@ -10,6 +10,9 @@
 namespace penumbra::gl {
 namespace {
 
+// Enough for the largest scene that a software device draws in a bearable time.
+constexpr size_t kDefaultMemoryBytes = size_t{1} << 30;
+
 absl::string_view View(std::string_view text) { return {text.data(), text.size()}; }
 
 std::string GlString(GLenum name) {
@@ -67,6 +70,18 @@ void CollectMessage(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length
   if (list.size() < kMaxMessages) list.emplace_back(text, length < 0 ? 0 : length);
 }
 
+// What the device says it has, and how sure it is to be had; 0: it does not say.
+size_t DeviceMemoryBytes() {
+  constexpr size_t kKib = 1024;
+  GLint kib[4] = {};
+  if (epoxy_has_gl_extension("GL_NVX_gpu_memory_info")) {
+    glGetIntegerv(GL_GPU_MEMORY_INFO_TOTAL_AVAILABLE_MEMORY_NVX, kib);
+  } else if (epoxy_has_gl_extension("GL_ATI_meminfo")) {
+    glGetIntegerv(GL_TEXTURE_FREE_MEMORY_ATI, kib);  // all of it, and three parts of it
+  }
+  return static_cast<size_t>(std::max(0, kib[0])) * kKib;
+}
+
 uint64_t NextSerial() {
   static std::atomic<uint64_t> last = 0;
   return ++last;
@@ -77,16 +92,19 @@ uint64_t NextSerial() {
 absl::StatusOr<std::unique_ptr<Context>> Context::Create(const ContextOptions& options) {
   auto display = Display::Open(options.device);
   if (!display.ok()) return display.status();
-  std::unique_ptr<Context> context(new Context);
+  std::unique_ptr<Context> context(new Context(options));
   context->display_ = *display;
   context->life_ = std::make_shared<ContextLife>();
   context->serial_ = NextSerial();
-  if (absl::Status status = context->Initialize(options); !status.ok()) return status;
+  if (absl::Status status = context->Initialize(); !status.ok()) return status;
+  if (options.inject_fault && options.inject_fault("gl::Context") == Fault::kLost) {
+    return FaultError(Fault::kLost, "gl::Context: the device is being reset");
+  }
   context->life_->context = context.get();
   return context;
 }
 
-absl::Status Context::Initialize(const ContextOptions& options) {
+absl::Status Context::Initialize() {
   const EGLDisplay display = display_->native();
   if (!HasEglExtension(display, "EGL_KHR_surfaceless_context")) {
     return absl::UnavailableError(
@@ -95,14 +113,14 @@ absl::Status Context::Initialize(const ContextOptions& options) {
   if (!eglBindAPI(EGL_OPENGL_API)) return EglError("eglBindAPI");
   const EGLConfig config = ChooseConfig(display);
   info_.is_robust = true;
-  native_ = CreateNative(display, config, options.debug, /*robust=*/true);
+  native_ = CreateNative(display, config, options_.debug, /*robust=*/true);
   if (native_ == EGL_NO_CONTEXT) {
     info_.is_robust = false;
-    native_ = CreateNative(display, config, options.debug, /*robust=*/false);
+    native_ = CreateNative(display, config, options_.debug, /*robust=*/false);
   }
   if (native_ == EGL_NO_CONTEXT) return EglError("eglCreateContext for OpenGL 4.5 core");
   if (absl::Status status = MakeCurrent(); !status.ok()) return status;
-  if (options.debug) CollectMessages();
+  if (options_.debug) CollectMessages();
   ReadInfo();
   return absl::OkStatus();
 }
@@ -123,6 +141,12 @@ void Context::ReadInfo() {
   info_.max_texture_side = GlInt(GL_MAX_TEXTURE_SIZE);
   info_.max_samples = GlInt(GL_MAX_COLOR_TEXTURE_SAMPLES);
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &info_.max_storage_bytes);
+  // A software device's memory is the process's own.
+  const size_t device_bytes = info_.is_software ? 0 : DeviceMemoryBytes();
+  info_.max_memory_bytes = options_.max_memory_bytes > 0 ? options_.max_memory_bytes
+                           : device_bytes > 0            ? device_bytes / 4 * 3
+                                                         : kDefaultMemoryBytes;
+  memory_ = std::make_shared<MemoryBudget>(info_.max_memory_bytes);
 }
 
 Context::~Context() {
@@ -157,9 +181,7 @@ bool Context::IsLost() {
          status == GL_UNKNOWN_CONTEXT_RESET;
 }
 
-absl::Status Context::Check(std::string_view what) {
-  if (absl::Status status = MakeCurrent(); !status.ok()) return status;
-  if (IsLost()) return absl::UnavailableError(absl::StrCat(View(what), ": the GL context is lost"));
+uint32_t Context::FirstError() {
   GLenum first = GL_NO_ERROR;
   constexpr int kMaxErrorFlags = 16;  // a lost context may report errors without end
   for (int i = 0; i < kMaxErrorFlags; ++i) {
@@ -167,41 +189,50 @@ absl::Status Context::Check(std::string_view what) {
     if (error == GL_NO_ERROR) break;
     if (first == GL_NO_ERROR) first = error;
   }
-  if (first == GL_NO_ERROR) return absl::OkStatus();
-  if (first == GL_OUT_OF_MEMORY) {
-    return absl::ResourceExhaustedError(absl::StrCat(View(what), ": GL is out of memory"));
+  return first;
+}
+
+absl::Status Context::Check(std::string_view what) {
+  if (absl::Status status = MakeCurrent(); !status.ok()) return status;
+  const Fault injected = options_.inject_fault ? options_.inject_fault(what) : Fault::kNone;
+  if (injected == Fault::kLost) SimulateLoss();
+  if (IsLost()) {
+    return FaultError(Fault::kLost, absl::StrCat(View(what), ": the GL context is lost"));
   }
-  return absl::InternalError(absl::StrCat(View(what), ": GL error 0x", absl::Hex(first), " ",
-                                          absl::StrJoin(TakeMessages(), "; ")));
+  GLenum error = FirstError();
+  if (injected == Fault::kError) error = GL_INVALID_OPERATION;
+  if (injected == Fault::kOutOfMemory) error = GL_OUT_OF_MEMORY;
+  if (error == GL_NO_ERROR) return absl::OkStatus();
+  if (error == GL_OUT_OF_MEMORY) {
+    NoteFault(Fault::kOutOfMemory);
+    return FaultError(Fault::kOutOfMemory, absl::StrCat(View(what), ": GL is out of memory"));
+  }
+  NoteFault(Fault::kError);
+  return FaultError(Fault::kError, absl::StrCat(View(what), ": GL error 0x", absl::Hex(error), " ",
+                                                absl::StrJoin(TakeMessages(), "; ")));
+}
+
+Fault Context::TakeFault() {
+  const Fault fault = std::exchange(worst_fault_, Fault::kNone);
+  return IsLost() ? Fault::kLost : fault;
+}
+
+absl::StatusOr<MemoryBudget::Lease> Context::TakeMemory(size_t bytes, std::string_view what) {
+  if (auto lease = MemoryBudget::Take(memory_, bytes)) return *std::move(lease);
+  NoteFault(Fault::kOverBudget);
+  return FaultError(Fault::kOverBudget,
+                    absl::StrCat(View(what), ": found ", bytes, " bytes of GPU memory beside ",
+                                 memory_->used(), " in use, need at most ", memory_->limit()));
+}
+
+void Context::DropKept() {
+  if (MakeCurrent().ok()) kept_.clear();
 }
 
 std::vector<std::string> Context::TakeMessages() {
   std::vector<std::string> taken;
   messages_.swap(taken);
   return taken;
-}
-
-ObjectName::ObjectName(Context& context, uint32_t name, Delete deleter)
-    : life_(context.life()), name_(name), delete_(deleter) {
-  ++life_->object_count;
-}
-
-ObjectName::ObjectName(ObjectName&& other) noexcept
-    : life_(std::exchange(other.life_, nullptr)),
-      name_(std::exchange(other.name_, 0)),
-      delete_(other.delete_) {}
-
-ObjectName& ObjectName::operator=(ObjectName&& other) noexcept {
-  std::swap(life_, other.life_);
-  std::swap(name_, other.name_);
-  std::swap(delete_, other.delete_);
-  return *this;
-}
-
-ObjectName::~ObjectName() {
-  if (life_ == nullptr) return;
-  --life_->object_count;
-  if (life_->context != nullptr && life_->context->MakeCurrent().ok()) delete_(name_);
 }
 
 }  // namespace penumbra::gl

@@ -5,8 +5,9 @@
 //   auto buffer = gl::Buffer::Create(**context, 1024);
 #pragma once
 
-#include <atomic>
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -17,12 +18,20 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "render/gl/display.h"
+#include "render/gl/fault.h"
+#include "render/gl/memory_budget.h"
+#include "render/gl/object_name.h"
 
 namespace penumbra::gl {
 
 struct ContextOptions {
   std::string device;  // as for Display::Open
   bool debug = true;   // collect what the driver has to say
+  // That textures and buffers may take in all; 0: three quarters of what the device says it has,
+  // or 1 GiB where it does not say, as software devices do not.
+  size_t max_memory_bytes = 0;
+  std::function<double()> now_ms = nullptr;  // a clock that only goes forward; null: there is none
+  FaultInjector inject_fault = nullptr;      // of tests
 };
 
 struct ContextInfo {
@@ -35,14 +44,7 @@ struct ContextInfo {
   int max_texture_side = 0;
   int max_samples = 0;            // of a multisampled colour target
   int64_t max_storage_bytes = 0;  // of one shader storage block
-};
-
-class Context;
-
-// What GL objects share with their context, so that they may outlive it.
-struct ContextLife {
-  Context* context = nullptr;  // null once it is gone or lost: its objects went with it
-  std::atomic<int> object_count = 0;
+  size_t max_memory_bytes = 0;    // of all textures and buffers together
 };
 
 // Made, used and destroyed on one thread. Several contexts may live on a thread: each function that
@@ -67,9 +69,23 @@ class Context {
 
   // Whether GL is well after `what`. Poll once for each job.
   //
-  // Errors  kUnavailable: the context is lost; kResourceExhausted: GL ran out of memory;
-  //         kInternal: any other GL error, with the driver's messages
+  // Errors  those of FaultError. kUnavailable: the context is lost; kResourceExhausted: GL ran out
+  //         of memory; kInternal: any other GL error, with the driver's messages
   absl::Status Check(std::string_view what);
+
+  // To be kept for as long as `bytes` of GPU memory are, and asked for before GL is.
+  //
+  // Errors  kResourceExhausted: Fault::kOverBudget
+  absl::StatusOr<MemoryBudget::Lease> TakeMemory(size_t bytes, std::string_view what);
+  const MemoryBudget& memory() const { return *memory_; }
+
+  // The worst that has befallen it since the last call; once lost it stays so.
+  Fault TakeFault();
+  void NoteFault(Fault fault) { worst_fault_ = std::max(worst_fault_, fault); }
+
+  // By the clock of the options; 0 without one.
+  double NowMs() const { return options_.now_ms ? options_.now_ms() : 0.0; }
+  bool has_clock() const { return options_.now_ms != nullptr; }
 
   bool IsLost();
   // Makes the context report a loss from now on, for software drivers never do.
@@ -78,45 +94,31 @@ class Context {
   // What one user of the context keeps in it from one job to the next: null at first, and gone with
   // the context, on its thread. `owner` is any address that is the user's own.
   std::shared_ptr<void>& Kept(const void* owner) { return kept_[owner]; }
+  // Lets go of all that, to free memory. Between jobs: who uses it does not expect it to go.
+  void DropKept();
 
   // The driver's warnings and errors since the last call, oldest first, at most 64 of them.
   std::vector<std::string> TakeMessages();
 
  private:
-  Context() = default;
-  absl::Status Initialize(const ContextOptions& options);
+  explicit Context(const ContextOptions& options) : options_(options) {}
+  absl::Status Initialize();
   void CollectMessages();
   void ReadInfo();
+  uint32_t FirstError();
 
+  const ContextOptions options_;
   const Display* display_ = nullptr;
   void* native_ = nullptr;  // EGLContext
   std::thread::id thread_ = std::this_thread::get_id();
   ContextInfo info_;
   uint64_t serial_ = 0;
   bool loss_simulated_ = false;
+  Fault worst_fault_ = Fault::kNone;
+  std::shared_ptr<MemoryBudget> memory_;
   std::vector<std::string> messages_;
   std::shared_ptr<ContextLife> life_;
   std::map<const void*, std::shared_ptr<void>> kept_;
-};
-
-// The name of a GL object and the duty to delete it. Move-only. Deletes on the context's thread
-// while the context lives; afterwards there is nothing to delete.
-class ObjectName {
- public:
-  using Delete = void (*)(uint32_t name);
-
-  ObjectName() = default;
-  ObjectName(Context& context, uint32_t name, Delete deleter);
-  ObjectName(ObjectName&& other) noexcept;
-  ObjectName& operator=(ObjectName&& other) noexcept;
-  ~ObjectName();
-
-  uint32_t get() const { return name_; }
-
- private:
-  std::shared_ptr<ContextLife> life_;
-  uint32_t name_ = 0;
-  Delete delete_ = nullptr;
 };
 
 }  // namespace penumbra::gl

@@ -39,8 +39,10 @@ absl::StatusOr<ObjectName> Compile(Context& context, GLenum stage, const char* s
   glGetShaderiv(shader.get(), GL_COMPILE_STATUS, &compiled);
   if (!compiled) {
     context.TakeMessages();  // the log says the same
-    return absl::InternalError(absl::StrCat("GLSL: the ", stage_name, " shader does not compile:\n",
-                                            ShaderLog(shader.get())));
+    context.NoteFault(Fault::kError);
+    return FaultError(Fault::kError,
+                      absl::StrCat("GLSL: the ", stage_name, " shader does not compile:\n",
+                                   ShaderLog(shader.get())));
   }
   return shader;
 }
@@ -78,8 +80,9 @@ absl::StatusOr<Program> Program::Create(Context& context, const ProgramSource& s
   glGetProgramiv(program.name(), GL_LINK_STATUS, &linked);
   if (!linked) {
     context.TakeMessages();
-    return absl::InternalError(
-        absl::StrCat("GLSL: the program does not link:\n", ProgramLog(program.name())));
+    context.NoteFault(Fault::kError);
+    return FaultError(Fault::kError, absl::StrCat("GLSL: the program does not link:\n",
+                                                  ProgramLog(program.name())));
   }
   if (absl::Status status = context.Check("gl::Program"); !status.ok()) return status;
   return program;

@@ -64,11 +64,16 @@ size_t BytesPerTexel(Format format) { return InfoOf(format).bytes; }
 absl::StatusOr<Texture> Texture::Create(Context& context, const TextureOptions& options) {
   if (absl::Status status = context.MakeCurrent(); !status.ok()) return status;
   if (absl::Status status = CheckOptions(context, options); !status.ok()) return status;
+  const size_t texels = size_t{1} * options.width * options.height;
+  auto memory =
+      context.TakeMemory(texels * options.samples * InfoOf(options.format).bytes, "gl::Texture");
+  if (!memory.ok()) return memory.status();
   const bool has_samples = options.samples > 1;
   const GLenum internal = InfoOf(options.format).internal;
   GLuint name = 0;
   glCreateTextures(has_samples ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D, 1, &name);
   Texture texture;
+  texture.memory_ = *std::move(memory);
   texture.name_ = ObjectName(context, name, &Delete);
   texture.options_ = options;
   if (has_samples) {

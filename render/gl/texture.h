@@ -38,8 +38,8 @@ struct TextureOptions {
 // Filters nearest and clamps to its edge.
 class Texture {
  public:
-  // Errors  kInvalidArgument: a side is not in [1, max_texture_side], or too many samples;
-  //         kResourceExhausted: out of memory
+  // Errors  kInvalidArgument: a side is not in [1, max_texture_side], or too many samples; those of
+  //         Context::TakeMemory and Context::Check
   static absl::StatusOr<Texture> Create(Context& context, const TextureOptions& options);
 
   const TextureOptions& options() const { return options_; }
@@ -50,6 +50,7 @@ class Texture {
   void Bind(Context& context, uint32_t unit) const;
 
  private:
+  MemoryBudget::Lease memory_;
   ObjectName name_;
   TextureOptions options_;
 };

@@ -7,6 +7,25 @@
 #include "absl/strings/str_cat.h"
 
 namespace penumbra::gl {
+namespace {
+
+const char* DescriptionOf(Fault fault) {
+  switch (fault) {
+    case Fault::kNone:
+      return "nothing happened";
+    case Fault::kOverBudget:
+      return "more GPU memory was asked for than there may be";
+    case Fault::kOutOfMemory:
+      return "GL was out of memory";
+    case Fault::kError:
+      return "GL reported an error";
+    case Fault::kLost:
+      return "the GL context was lost";
+  }
+  return "";
+}
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<Worker>> Worker::Create(const WorkerOptions& options) {
   std::unique_ptr<Worker> worker(new Worker(options));
@@ -31,7 +50,6 @@ Worker::~Worker() {
 absl::Status Worker::Push(Entry entry) {
   {
     const std::lock_guard lock(mutex_);
-    if (!context_status_.ok()) return context_status_;
     if (queue_.size() >= options_.max_queued) {
       return absl::ResourceExhaustedError(
           absl::StrCat("GL worker: found ", queue_.size(), " jobs waiting, which is its limit"));
@@ -55,8 +73,10 @@ absl::Status Worker::Run(std::function<absl::Status(Context&)> job) {
   entry.finish = [finished](absl::Status status) { finished->set_value(std::move(status)); };
   if (absl::Status status = Push(std::move(entry)); !status.ok()) return status;
   const absl::Status status = done.get();
-  return status.ok() ? result.value_or(absl::InternalError("GL worker: the job did not run"))
-                     : status;
+  if (status.ok()) return result.value_or(absl::InternalError("GL worker: the job did not run"));
+  // The job's own words on memory say how much it was.
+  const bool is_memory = absl::IsResourceExhausted(status);
+  return is_memory && result && FaultOf(*result) == FaultOf(status) ? *result : status;
 }
 
 ContextInfo Worker::info() const {
@@ -70,7 +90,7 @@ int Worker::rebuild_count() const {
 }
 
 // All GL objects go with the old context; the new one starts empty.
-absl::Status Worker::Rebuild() {
+absl::Status Worker::MakeContext() {
   context_.reset();
   auto context = Context::Create(options_.context);
   const std::lock_guard lock(mutex_);
@@ -82,25 +102,50 @@ absl::Status Worker::Rebuild() {
   return context_status_;
 }
 
+// What befell the job, if anything did.
+absl::Status Worker::RunOnce(Entry& entry) {
+  if (context_ != nullptr && context_->IsLost()) Mend(Fault::kLost);
+  if (context_ == nullptr) {
+    if (const absl::Status made = MakeContext(); !made.ok()) {
+      return FaultError(Fault::kLost, absl::StrCat("GL worker: the context was lost and cannot be "
+                                                   "made again: ",
+                                                   made.message()));
+    }
+  }
+  entry.job(*context_);
+  context_->Check("gl::Worker").IgnoreError();  // noted as a fault
+  const Fault fault = context_->TakeFault();
+  return FaultError(fault, absl::StrCat("GL worker: ", DescriptionOf(fault), " twice by one job"));
+}
+
+void Worker::Mend(Fault fault) {
+  if (fault == Fault::kOverBudget) {
+    context_->DropKept();
+    return;
+  }
+  if (fault != Fault::kOutOfMemory) health_.AddFailure(DescriptionOf(fault));
+  // A context that cannot be made now may be for the next job.
+  MakeContext().IgnoreError();
+  const std::lock_guard lock(mutex_);
+  ++rebuild_count_;
+}
+
 void Worker::RunEntry(Entry& entry) {
   constexpr int kAttempts = 2;
-  absl::Status status = absl::UnavailableError("GL worker: no context");
-  for (int attempt = 0; attempt < kAttempts && context_ != nullptr; ++attempt) {
-    entry.job(*context_);
-    if (!context_->IsLost()) {
-      status = absl::OkStatus();
+  absl::Status status;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    status = RunOnce(entry);
+    if (status.ok()) {
+      health_.AddSuccess();
       break;
     }
-    status = absl::UnavailableError("GL worker: the context was lost twice by the same job");
-    if (absl::Status rebuilt = Rebuild(); !rebuilt.ok()) status = rebuilt;
-    const std::lock_guard lock(mutex_);
-    ++rebuild_count_;
+    Mend(FaultOf(status));
   }
   if (entry.finish) entry.finish(status);
 }
 
 void Worker::Loop() {
-  Rebuild().IgnoreError();  // Create reads context_status_
+  MakeContext().IgnoreError();  // Create reads context_status_
   {
     const std::lock_guard lock(mutex_);
     has_started_ = true;

@@ -15,18 +15,26 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "render/gl/context.h"
+#include "render/gl/worker_health.h"
 
 namespace penumbra::gl {
 
 struct WorkerOptions {
   ContextOptions context;
   size_t max_queued = 64;  // jobs waiting; past that Submit refuses
+  // Told on the worker's thread when its health changes.
+  std::function<void(bool is_degraded)> on_health_change = nullptr;
 };
 
-// Jobs run one at a time, in order, with the context current. When a job leaves the context lost,
-// the worker makes a new one and runs the job once more; so a job keeps nothing on the GPU but what
-// it can make again (see Context::serial). Any thread may submit. Destroying runs what is queued,
-// then ends.
+// Jobs run one at a time, in order, with the context current. After a job that a fault befell the
+// worker mends what it can and runs the job once more; so a job keeps nothing on the GPU but what
+// it can make again (see Context::serial and Kept). What it does:
+//
+//   lost, error       a new context; counts as a failure of the worker's health
+//   out of memory     a new context, with which all that was kept goes
+//   over the budget   all that was kept goes
+//
+// Any thread may submit. Destroying runs what is queued, then ends.
 class Worker {
  public:
   using Job = std::function<void(Context&)>;
@@ -37,19 +45,20 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  // Queues `job`. Errors  kResourceExhausted: the queue is full; kUnavailable: the context was lost
-  // and
-  //                       could not be made again
+  // Queues `job`. Errors  kResourceExhausted: the queue is full
   absl::Status Submit(Job job);
 
   // Queues `job`, waits for it and returns what it returned. Not from a job of the same worker.
-  // Errors  those of Submit; kUnavailable: the context was lost twice
+  // Errors  those of Submit; that of the fault that befell the job twice (FaultOf), kUnavailable if
+  //         the context could not be made again
   absl::Status Run(std::function<absl::Status(Context&)> job);
 
   // Of the context in use; a copy, for it changes when the context is made again.
   ContextInfo info() const;
-  // How often the context was lost and made again.
+  // How often the context was made again.
   int rebuild_count() const;
+  // Who has another way to do a job asks it first: the worker refuses nothing.
+  const WorkerHealth& health() const { return health_; }
 
  private:
   // A job, and who to tell how it went.
@@ -58,13 +67,18 @@ class Worker {
     std::function<void(absl::Status)> finish;  // may be null
   };
 
-  explicit Worker(const WorkerOptions& options) : options_(options) {}
+  explicit Worker(const WorkerOptions& options)
+      : options_(options),
+        health_({.now_ms = options.context.now_ms, .on_change = options.on_health_change}) {}
   void Loop();
-  absl::Status Rebuild();
+  absl::Status MakeContext();
+  absl::Status RunOnce(Entry& entry);
+  void Mend(Fault fault);
   void RunEntry(Entry& entry);
   absl::Status Push(Entry entry);
 
   const WorkerOptions options_;
+  WorkerHealth health_;
   std::unique_ptr<Context> context_;  // the thread's own; null while it cannot be made
 
   mutable std::mutex mutex_;

@@ -73,6 +73,7 @@ absl::Status GlDepthSource::Draw(std::span<const LightView> views, const std::st
   if (absl::Status status = CheckViews(views); !status.ok()) return status;
   auto renderer = DepthRenderer::Of(context_);
   if (!renderer.ok()) return renderer.status();
+  (*renderer)->Begin(context_);
   MapAssembly maps(views, take);
   std::deque<Band> in_flight;
   const auto land = [&](size_t most) -> absl::Status {

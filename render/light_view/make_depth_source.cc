@@ -22,6 +22,7 @@ absl::StatusOr<std::unique_ptr<DepthSource>> MakeDepthSource(DepthMethod method,
       return std::make_unique<RayDepthSource>(means.bvhs.Of(scene), means.arena);
     case DepthMethod::kGl:
       if (means.gl) return std::make_unique<GlDepthSource>(scene, *means.gl, std::move(field));
+      if (means.cpu_for_gl) break;
       return NoGl(field, NameOf(DepthMethod::kGl), means.gl_error);
   }
   return std::make_unique<AutoDepthSource>(scene, means.bvhs, means.arena);

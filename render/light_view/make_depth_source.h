@@ -22,10 +22,11 @@ struct DepthSourceMeans {
   tbb::task_arena& arena;
   gl::Context* gl = nullptr;  // current on this thread, or null
   std::string gl_error;       // where `gl` is null: why there is none, if anybody knows
+  bool cpu_for_gl = false;    // where `gl` is null: the CPU draws in its place
 };
 
 // field   of the parameters, that `method` comes from: "layered_attenuation.depth_method"
-// Errors  kFailedPrecondition, NO_GL, at the field: kGl without a context
+// Errors  kFailedPrecondition, NO_GL, at the field: kGl without a context or cpu_for_gl
 absl::StatusOr<std::unique_ptr<DepthSource>> MakeDepthSource(DepthMethod method, const Scene& scene,
                                                              const DepthSourceMeans& means,
                                                              std::string field);

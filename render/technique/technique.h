@@ -28,6 +28,7 @@ struct ComputeContext {
   tbb::task_arena& arena;     // where CPU work runs
   gl::Context* gl = nullptr;  // current on this thread, or null
   std::string gl_error;       // where `gl` is null: why there is none, if anybody knows
+  bool cpu_for_gl = false;    // `gl` is null, but should not be: the CPU does what takes GL
   std::stop_token stop;       // checked at least once per light sample
   std::function<void(Artifact)>
       progress;                       // takes coarse artifacts before the final one; may be null

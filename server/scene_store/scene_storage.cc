@@ -45,8 +45,7 @@ absl::StatusOr<std::unique_ptr<SceneStorage>> SceneStorage::Open(const std::stri
                                                                  Logger& logger) {
   auto directory = DataDirectory::Open(folder);
   if (!directory.ok()) return directory.status();
-  std::unique_ptr<SceneStorage> storage(
-      new SceneStorage(*std::move(directory), options, logger));
+  std::unique_ptr<SceneStorage> storage(new SceneStorage(*std::move(directory), options, logger));
   if (auto status = storage->ReadHeadsFile(); !status.ok()) return status;
   storage->heads_writer_ = std::thread([raw = storage.get()] { raw->WriteHeadsLater(); });
   return storage;
@@ -106,8 +105,8 @@ std::vector<RestoredScene> SceneStorage::Restore(BlobStore& blobs, const SceneLi
       Note(*scene.log, scene.scene->revision());
     } else {
       // It is left as it is.
-      logger_.Error("scene_refused", {{"scene", scene.scene_id},
-                                      {"error", std::string(scene.status.message())}});
+      logger_.Error("scene_refused",
+                    {{"scene", scene.scene_id}, {"error", std::string(scene.status.message())}});
     }
   }
   return restored;

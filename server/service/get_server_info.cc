@@ -8,7 +8,8 @@ grpc::ServerUnaryReactor* PenumbraService::GetServerInfo(Context* context, const
                                                          Bytes* response) {
   return AnswerUnary<v1::GetServerInfoRequest>(
       parts_, context, request, response,
-      [&](const v1::GetServerInfoRequest&, const Caller& caller) -> absl::StatusOr<v1::GetServerInfoResponse> {
+      [&](const v1::GetServerInfoRequest&,
+          const Caller& caller) -> absl::StatusOr<v1::GetServerInfoResponse> {
         v1::GetServerInfoResponse info;
         info.set_server_name(kServerName);
         info.add_protocol_versions(kProtocolVersion);

@@ -10,7 +10,8 @@ grpc::ServerUnaryReactor* PenumbraService::ListTechniques(Context* context, cons
                                                           Bytes* response) {
   return AnswerUnary<v1::ListTechniquesRequest>(
       parts_, context, request, response,
-      [](const v1::ListTechniquesRequest&, const Caller&) -> absl::StatusOr<v1::ListTechniquesResponse> {
+      [](const v1::ListTechniquesRequest&,
+         const Caller&) -> absl::StatusOr<v1::ListTechniquesResponse> {
         v1::ListTechniquesResponse list;
         for (auto& technique : AllTechniqueInfos()) *list.add_techniques() = std::move(technique);
         return list;

@@ -49,13 +49,12 @@ auto AnswerIfAllowed(grpc::CallbackServerContext& context, const ServiceParts& p
 template <typename Request, typename Answer>
 grpc::ServerUnaryReactor* AnswerUnaryOn(WorkerPool::Lane* lane, const ServiceParts& parts,
                                         grpc::CallbackServerContext* context,
-                                        const grpc::ByteBuffer* request,
-                                        grpc::ByteBuffer* response, Answer answer) {
+                                        const grpc::ByteBuffer* request, grpc::ByteBuffer* response,
+                                        Answer answer) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   const auto record =
       std::make_shared<CallRecord>(parts.sessions.counters, parts.logger, MethodOf<Request>());
-  auto finish = [&parts, context, request, response, reactor, record,
-                 answer = std::move(answer)] {
+  auto finish = [&parts, context, request, response, reactor, record, answer = std::move(answer)] {
     const auto result = AnswerIfAllowed<Request>(*context, parts, *request, answer);
     if (result.ok()) *response = ToBytes(*result);
     record->End(result.status());

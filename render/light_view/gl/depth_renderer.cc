@@ -10,9 +10,9 @@
 namespace penumbra {
 namespace {
 
-// Triangles that one draw may have, so that a stop is heard of within a fraction of a second on a
-// software device.
-constexpr size_t kTrianglesPerDraw = size_t{1} << 19;
+// A triangle that is drawn is a unit of work. On a software device it takes as long to find out
+// which depth this many pixels have.
+constexpr double kPixelsPerUnit = 4;
 
 // Targets' sides are multiples of this, so that views of a light, of sizes that differ by a few
 // pixels, share them.
@@ -20,8 +20,9 @@ constexpr int kSideStep = 64;
 
 int RoundedUp(int side) { return (side + kSideStep - 1) / kSideStep * kSideStep; }
 
-// The pixel's own centre may see what is in the window only; a pixel around it is to spare.
-bool MayBeSeen(const LightView& view, RowBand band, const Aabb& box) {
+// About how many pixels of the band see the box; nullopt: none may. A pixel's own centre may see
+// what is in the window only; a pixel around it is to spare.
+std::optional<double> PixelsSeeing(const LightView& view, RowBand band, const Aabb& box) {
   const DVec2 pixel = 1.0 / view.pixels_per_slope();
   Window window = view.window;
   window.max.y = window.min.y + (band.first + band.count) * pixel.y;
@@ -30,7 +31,9 @@ bool MayBeSeen(const LightView& view, RowBand band, const Aabb& box) {
   const Window seen = view.from_infinity
                           ? Intersection(ShearedWindow(view.frame, DVec2(view.eye), box), window)
                           : WindowOf(view.frame, view.eye, 0.0, box, window);
-  return seen.min.x <= seen.max.x && seen.min.y <= seen.max.y;
+  if (!(seen.min.x <= seen.max.x && seen.min.y <= seen.max.y)) return std::nullopt;
+  const DVec2 size = seen.size() * view.pixels_per_slope();
+  return size.x * size.y;
 }
 
 }  // namespace
@@ -83,7 +86,8 @@ absl::StatusOr<gl::Framebuffer*> DepthRenderer::TargetFor(gl::Context& context, 
 
 absl::Status DepthRenderer::DrawCaster(gl::Context& context, const Instance& instance,
                                        gl::Framebuffer& target, const gl::PixelArea& area,
-                                       std::string_view field, const std::stop_token& stop) {
+                                       double pixels, std::string_view field,
+                                       const std::stop_token& stop) {
   auto mesh = meshes_->Mesh(context, *instance.mesh, field);
   if (!mesh.ok()) return mesh.status();
   (*mesh)->Bind(context);
@@ -98,17 +102,23 @@ absl::Status DepthRenderer::DrawCaster(gl::Context& context, const Instance& ins
   const char* const kColumns[] = {"column0", "column1", "column2", "column3"};
   for (int c = 0; c < 4; ++c) program.Set(context, kColumns[c], instance.world_from_mesh[c]);
   const size_t triangles = instance.mesh->triangle_count();
-  for (size_t t = 0; t < triangles; t += kTrianglesPerDraw) {
-    if (stop.stop_requested()) return absl::CancelledError("stop requested");
+  const auto all = static_cast<double>(triangles);
+  // If each pixel that may be seen is drawn to once.
+  const double units = all + pixels / kPixelsPerUnit;
+  const auto at_a_time = static_cast<size_t>(std::clamp(pace_.most() / units * all, 1.0, all));
+  for (size_t t = 0; t < triangles; t += at_a_time) {
+    const size_t drawn = std::min(at_a_time, triangles - t);
     gl::Draw(context, {.program = program,
                        .vertices = no_attributes_,
                        .target = target,
-                       .count = static_cast<int>(3 * std::min(kTrianglesPerDraw, triangles - t)),
+                       .count = static_cast<int>(3 * drawn),
                        .depth_test = gl::DepthTest::kNone,
                        .writes_depth = false,
                        .combine = gl::Combine::kGreater,
                        .first = static_cast<int>(3 * t),
                        .area = area});
+    absl::Status status = pace_.Did(context, units * static_cast<double>(drawn) / all, stop);
+    if (!status.ok()) return status;
   }
   return absl::OkStatus();
 }
@@ -133,8 +143,10 @@ absl::StatusOr<gl::Readback> DepthRenderer::Draw(gl::Context& context,
   }
   for (const GlCaster& caster : casters) {
     if (stop.stop_requested()) return absl::CancelledError("stop requested");
-    if (!MayBeSeen(view, band, caster.box)) continue;
-    absl::Status status = DrawCaster(context, *caster.instance, **target, area, field, stop);
+    const auto pixels = PixelsSeeing(view, band, caster.box);
+    if (!pixels) continue;
+    absl::Status status =
+        DrawCaster(context, *caster.instance, **target, area, *pixels, field, stop);
     if (!status.ok()) return status;
   }
   return gl::Readback::Start(context, **target, area, 1);

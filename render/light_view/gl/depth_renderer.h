@@ -19,6 +19,7 @@
 #include "render/gl/program.h"
 #include "render/gl/readback.h"
 #include "render/gl/vertex_array.h"
+#include "render/gl/work_pace.h"
 #include "render/light_view/gl/depth_glsl.h"
 #include "render/light_view/gl/mesh_store.h"
 #include "render/math/aabb.h"
@@ -42,10 +43,13 @@ class DepthRenderer {
   // The one of `context`, made on first use. Errors  kInternal: a shader does not compile
   static absl::StatusOr<DepthRenderer*> Of(gl::Context& context);
 
+  // Before the first of several bands.
+  void Begin(const gl::Context& context) { pace_.Start(context); }
+
   // Draws a band of a view, which is not empty, and sends for its pixels without waiting.
   //
   // Shapes  → count·width values, as DepthProgram writes them; those below kUnseen saw nothing
-  // Errors  kCancelled: stop requested, asked before each draw; kResourceExhausted: GL_MEMORY at
+  // Errors  kCancelled: stop requested, asked every 20 ms or so; kResourceExhausted: GL_MEMORY at
   //         `field`, or out of memory; kUnavailable: the context is lost
   absl::StatusOr<gl::Readback> Draw(gl::Context& context, std::span<const GlCaster> casters,
                                     const LightView& view, RowBand band, std::string_view field,
@@ -59,12 +63,13 @@ class DepthRenderer {
   absl::Status CreatePrograms(gl::Context& context);
   absl::StatusOr<gl::Framebuffer*> TargetFor(gl::Context& context, int width, int height);
   absl::Status DrawCaster(gl::Context& context, const Instance& instance, gl::Framebuffer& target,
-                          const gl::PixelArea& area, std::string_view field,
+                          const gl::PixelArea& area, double pixels, std::string_view field,
                           const std::stop_token& stop);
 
   MeshStore* meshes_ = nullptr;  // the context's
   gl::VertexArray no_attributes_;
   gl::Program opaque_, masked_;
+  gl::WorkPace pace_;
   // Drawn to in turn: while the one is read the other is drawn to.
   std::array<std::optional<gl::Framebuffer>, 2> targets_;
   size_t next_target_ = 0;

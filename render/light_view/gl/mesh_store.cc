@@ -17,7 +17,9 @@ void GpuMesh::Bind(gl::Context& context) const {
 MeshStore& MeshStore::Of(gl::Context& context) {
   static constexpr char kOwner = 0;
   std::shared_ptr<void>& kept = context.Kept(&kOwner);
-  if (!kept) kept = std::make_shared<MeshStore>(kMaxKeptBytes);
+  if (!kept) {
+    kept = std::make_shared<MeshStore>(std::min(kMaxKeptBytes, context.memory().limit() / 2));
+  }
   return *static_cast<MeshStore*>(kept.get());
 }
 

@@ -34,7 +34,8 @@ class MeshStore {
  public:
   static constexpr size_t kMaxKeptBytes = size_t{256} << 20;
 
-  // The one of `context`, which all that draw there share.
+  // The one of `context`, which all that draw there share. Keeps kMaxKeptBytes, or half of the
+  // context's memory where that is less: the other half is to draw with.
   static MeshStore& Of(gl::Context& context);
 
   explicit MeshStore(size_t max_bytes) : max_bytes_(max_bytes) {}

@@ -102,10 +102,13 @@ absl::StatusOr<Artifact> LayeredAttenuation::Compute(const Scene& scene, const A
                                                      const ComputeContext& context) const {
   if (const auto status = Check(scene, spec); !status.ok()) return status;
   CasterBvhs bvhs = KeptBvhs(context);
-  const auto source = MakeDepthSource(
-      ParamsOf(spec).source, scene,
-      {.bvhs = bvhs, .arena = context.arena, .gl = context.gl, .gl_error = context.gl_error},
-      "layered_attenuation.source");
+  const auto source = MakeDepthSource(ParamsOf(spec).source, scene,
+                                      {.bvhs = bvhs,
+                                       .arena = context.arena,
+                                       .gl = context.gl,
+                                       .gl_error = context.gl_error,
+                                       .cpu_for_gl = context.cpu_for_gl},
+                                      "layered_attenuation.source");
   if (!source.ok()) return source.status();
   // These are drawn a few times each: by whatever needs no context.
   CasterBvhs surface_bvhs(context.stop);

@@ -95,10 +95,13 @@ class Maker {
 
  private:
   absl::StatusOr<std::unique_ptr<DepthSource>> SourceOf(const Scene& scene, CasterBvhs& bvhs) {
-    return MakeDepthSource(
-        params_.source, scene,
-        {.bvhs = bvhs, .arena = context_.arena, .gl = context_.gl, .gl_error = context_.gl_error},
-        "source");
+    return MakeDepthSource(params_.source, scene,
+                           {.bvhs = bvhs,
+                            .arena = context_.arena,
+                            .gl = context_.gl,
+                            .gl_error = context_.gl_error,
+                            .cpu_for_gl = context_.cpu_for_gl},
+                           "source");
   }
 
   absl::StatusOr<ShadowVolumeMesh> MakeOfAll(const ShadowVolumeOptions& options) {

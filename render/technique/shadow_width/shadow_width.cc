@@ -21,6 +21,7 @@
 #include "render/technique/kept_bvhs.h"
 #include "render/technique/map_passes.h"
 #include "render/technique/shadow_width/distance_exact.h"
+#include "render/technique/shadow_width/distance_steps_cpu.h"
 #include "render/technique/shadow_width/distance_sweep.h"
 #include "render/technique/shadow_width/gl/distance_steps.h"
 #include "render/technique/shadow_width/width_face.h"
@@ -151,11 +152,17 @@ class Maker {
       case DistanceMethod::kSweep:
         return DistanceBySweeps(mask, SweepNeighbours::kFour, context_.arena, context_.stop);
       case DistanceMethod::kGlThree:
-        return DistanceBySteps(*context_.gl, mask, StepNeighbours::kThree, context_.stop);
+        return Steps(mask, StepNeighbours::kThree);
       case DistanceMethod::kGlSix:
-        return DistanceBySteps(*context_.gl, mask, StepNeighbours::kSix, context_.stop);
+        return Steps(mask, StepNeighbours::kSix);
     }
     return DistanceToLit(mask, context_.arena, context_.stop);
+  }
+
+  absl::StatusOr<std::vector<float>> Steps(const BlockedMask& mask,
+                                           StepNeighbours neighbours) const {
+    return context_.gl ? DistanceBySteps(*context_.gl, mask, neighbours, context_.stop)
+                       : DistanceByStepsOnCpu(mask, neighbours, context_.arena, context_.stop);
   }
 
   const ShadowWidthParams& params_;
@@ -198,14 +205,17 @@ bool ShadowWidth::NeedsGl(const ArtifactSpec& spec) const {
 absl::StatusOr<Artifact> ShadowWidth::Compute(const Scene& scene, const ArtifactSpec& spec,
                                               const ComputeContext& context) const {
   if (const auto status = Check(scene, spec); !status.ok()) return status;
-  if (NeedsGlFor(ParamsOf(spec).distance) && context.gl == nullptr) {
+  if (NeedsGlFor(ParamsOf(spec).distance) && context.gl == nullptr && !context.cpu_for_gl) {
     return NoGl("shadow_width.distance", NameOf(ParamsOf(spec).distance), context.gl_error);
   }
   CasterBvhs bvhs = KeptBvhs(context);
-  const auto source = MakeDepthSource(
-      ParamsOf(spec).source, scene,
-      {.bvhs = bvhs, .arena = context.arena, .gl = context.gl, .gl_error = context.gl_error},
-      "shadow_width.source");
+  const auto source = MakeDepthSource(ParamsOf(spec).source, scene,
+                                      {.bvhs = bvhs,
+                                       .arena = context.arena,
+                                       .gl = context.gl,
+                                       .gl_error = context.gl_error,
+                                       .cpu_for_gl = context.cpu_for_gl},
+                                      "shadow_width.source");
   if (!source.ok()) return source.status();
   const auto all_surfaces = WithAllSurfaces(scene);
   if (!all_surfaces.ok()) return all_surfaces.status();

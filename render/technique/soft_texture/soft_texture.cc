@@ -14,6 +14,15 @@ const SoftTextureParams& ParamsOf(const ArtifactSpec& spec) {
   return std::get<SoftTextureParams>(spec.params);
 }
 
+// As near as the CPU comes to what GL would compute: the same counts, and the same sum over samples
+// in another order.
+ArtifactSpec ByCpu(ArtifactSpec spec) {
+  auto& params = std::get<SoftTextureParams>(spec.params);
+  params.method = VisibilityMethod::kAuto;
+  params.shading = Shading::kSampleSum;
+  return spec;
+}
+
 }  // namespace
 
 absl::Status SoftTexture::Check(const Scene& scene, const ArtifactSpec& spec) const {
@@ -28,6 +37,7 @@ absl::StatusOr<Artifact> SoftTexture::Compute(const Scene& scene, const Artifact
                                               const ComputeContext& context) const {
   if (const auto status = Check(scene, spec); !status.ok()) return status;
   if (NeedsGl(spec) && !context.gl) {
+    if (context.cpu_for_gl) return Compute(scene, ByCpu(spec), context);
     return NoGl("soft_texture.method", NameOf(VisibilityMethod::kGl), context.gl_error);
   }
   if (spec.light_id == kAllLights) return ComputeAllLights(scene, spec, context);

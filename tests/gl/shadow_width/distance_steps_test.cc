@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "render/technique/shadow_width/distance_exact.h"
+#include "render/technique/shadow_width/distance_steps_cpu.h"
 #include "tests/gl/display/software_context.h"
 #include "tests/unit/shadow_width/distance_masks.h"
 
@@ -49,12 +50,17 @@ std::vector<float> DistancesOnCpu(const OwnedMask& mask, StepNeighbours neighbou
   return distances;
 }
 
+// Of the test's own, and of the technique's.
 TEST_P(DistanceStepsTest, AreThoseOfTheCpu) {
   Dice dice(1);
+  tbb::task_arena arena(2);
   for (int trial = 0; trial < 60; ++trial) {
     const uint32_t most = trial % 10 == 0 ? 300 : 70;
     const OwnedMask mask = RandomMask(dice, 1 + dice.Below(most), 1 + dice.Below(most));
-    EXPECT_EQ(Distances(mask), DistancesOnCpu(mask, GetParam()))
+    const std::vector<float> expected = DistancesOnCpu(mask, GetParam());
+    EXPECT_EQ(Distances(mask), expected)
+        << "trial " << trial << ", " << mask.width << " x " << mask.height;
+    EXPECT_EQ(DistanceByStepsOnCpu(mask.View(), GetParam(), arena, {}).value(), expected)
         << "trial " << trial << ", " << mask.width << " x " << mask.height;
   }
 }
@@ -132,6 +138,10 @@ TEST_P(DistanceStepsTest, AStopIsHeardAndWhatIsNoMaskRefused) {
   source.request_stop();
   EXPECT_EQ(DistanceBySteps(*context_, mask.View(), GetParam(), source.get_token()).status().code(),
             absl::StatusCode::kCancelled);
+  tbb::task_arena arena(2);
+  EXPECT_EQ(
+      DistanceByStepsOnCpu(mask.View(), GetParam(), arena, source.get_token()).status().code(),
+      absl::StatusCode::kCancelled);
   const absl::Status refused =
       DistanceBySteps(*context_, {mask.blocked, 20, 21}, GetParam(), {}).status();
   EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);

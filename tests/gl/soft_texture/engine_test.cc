@@ -114,6 +114,7 @@ TEST_F(GlEngineTest, AJobThatLosesEveryContextEndsInAnError) {
   const auto artifact = Compute(std::move(options));
   EXPECT_EQ(artifact.status().code(), absl::StatusCode::kUnavailable) << artifact.status();
   EXPECT_THAT(std::string(artifact.status().message()), HasSubstr("lost twice"));
+  EXPECT_EQ(ErrorReason(artifact.status()), "GL_CONTEXT_LOST");
   EXPECT_EQ(technique.attempts, 2);
 }
 

@@ -14,6 +14,7 @@
 #include "render/gl/readback.h"
 #include "render/gl/texture.h"
 #include "render/gl/vertex_array.h"
+#include "render/gl/work_pace.h"
 #include "render/technique/shadow_width/gl/distance_steps_glsl.h"
 
 namespace penumbra {
@@ -41,13 +42,16 @@ class Stepper {
     return static_cast<Stepper*>(kept.get());
   }
 
-  void Start(gl::Context& context, const gl::Texture& blocked, gl::Framebuffer& target) {
+  absl::Status Start(gl::Context& context, const gl::Texture& blocked, gl::Framebuffer& target,
+                     const std::stop_token& stop) {
+    pace_.Start(context);
     blocked.Bind(context, width_gl::kSourceUnit);
-    Fill(context, start_, target);
+    return Fill(context, start_, target, stop);
   }
 
-  void Step(gl::Context& context, StepNeighbours neighbours, int size,
-            const gl::Framebuffer& source, gl::Framebuffer& target) {
+  absl::Status Step(gl::Context& context, StepNeighbours neighbours, int size,
+                    const gl::Framebuffer& source, gl::Framebuffer& target,
+                    const std::stop_token& stop) {
     gl::Program& program = neighbours == StepNeighbours::kThree ? three_ : six_;
     const std::vector<DistanceStep> steps = StepsOf(neighbours, size);
     for (size_t i = 0; i < steps.size(); ++i) {
@@ -55,7 +59,7 @@ class Stepper {
       program.Set(context, absl::StrCat("lengths[", i, "]").c_str(), steps[i].length);
     }
     source.BindColor(context, width_gl::kSourceUnit);
-    Fill(context, program, target);
+    return Fill(context, program, target, stop);
   }
 
  private:
@@ -75,17 +79,30 @@ class Stepper {
     return absl::OkStatus();
   }
 
-  void Fill(gl::Context& context, const gl::Program& program, gl::Framebuffer& target) {
-    gl::Draw(context, {.program = program,
-                       .vertices = no_attributes_,
-                       .target = target,
-                       .count = 3,
-                       .depth_test = gl::DepthTest::kNone,
-                       .writes_depth = false});
+  // Rows at a time, whose texels are the units of work.
+  absl::Status Fill(gl::Context& context, const gl::Program& program, gl::Framebuffer& target,
+                    const std::stop_token& stop) {
+    const int width = target.options().width, height = target.options().height;
+    gl::PixelArea band{.width = width};
+    for (; band.y < height; band.y += band.height) {
+      band.height =
+          static_cast<int>(std::clamp(pace_.most() / width, 1.0, 1.0 * (height - band.y)));
+      gl::Draw(context, {.program = program,
+                         .vertices = no_attributes_,
+                         .target = target,
+                         .count = 3,
+                         .depth_test = gl::DepthTest::kNone,
+                         .writes_depth = false,
+                         .area = band});
+      const double texels = 1.0 * width * band.height;
+      if (auto status = pace_.Did(context, texels, stop); !status.ok()) return status;
+    }
+    return absl::OkStatus();
   }
 
   gl::VertexArray no_attributes_;
   gl::Program start_, three_, six_;
+  gl::WorkPace pace_;
 };
 
 }  // namespace
@@ -120,12 +137,12 @@ absl::StatusOr<std::vector<float>> DistanceBySteps(gl::Context& context, const B
   auto target = gl::Framebuffer::Create(context, options);
   if (!source.ok()) return source.status();
   if (!target.ok()) return target.status();
-  (*stepper)->Start(context, *blocked, *source);
-  for (int size = 1; size < std::max(width, height); size *= 2) {
-    if (stop.stop_requested()) return absl::CancelledError("stop requested");
-    (*stepper)->Step(context, neighbours, size, *source, *target);
+  absl::Status filled = (*stepper)->Start(context, *blocked, *source, stop);
+  for (int size = 1; filled.ok() && size < std::max(width, height); size *= 2) {
+    filled = (*stepper)->Step(context, neighbours, size, *source, *target, stop);
     std::swap(source, target);
   }
+  if (!filled.ok()) return filled;
   auto readback = gl::Readback::Start(context, *source, {0, 0, width, height}, 1);
   if (!readback.ok()) return readback.status();
   auto distances = readback->Wait(context);

@@ -39,8 +39,8 @@ std::vector<DistanceStep> StepsOf(StepNeighbours neighbours, int size);
 // Shapes  H×W → H·W, row by row
 // Units   texels, which are square
 // Errors  kInvalidArgument: as CheckMask, or a side is more than a texture's may be; kCancelled:
-//         stop requested, asked once a pass; kResourceExhausted: out of memory; kUnavailable: the
-//         context is lost
+//         stop requested, asked every 20 ms or so; kResourceExhausted: out of memory;
+//         kUnavailable: the context is lost
 // Cost    O(W·H·log max(W, H))
 // Source  Kirsch and Döllner 2003, §4, "Generating Shadow Widths"; departs: floats instead of 8
 //         bits, a step counts as far as it leads, and widths have no limit. The paper does not say

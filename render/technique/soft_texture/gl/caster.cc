@@ -80,6 +80,22 @@ std::vector<GpuSampleMap> SampleMaps(const ReceiverPatch& receiver,
   return maps;
 }
 
+double TexelsCovered(const Caster& caster, const GpuSampleMap& map, const ReceiverPatch& receiver,
+                     uint32_t first_row, uint32_t rows) {
+  const DVec2 least(0, first_row), most(receiver.width, 1.0 * first_row + rows);
+  DVec2 low = most, high = least;
+  for (const DVec3& corner : caster.corners) {
+    const auto apply = [&](const DVec4& row) { return glm::dot(DVec3(row), corner) + row.w; };
+    const double w = apply(map.row_w);
+    if (!(w > 0)) return 1.0 * receiver.width * rows;  // its shadow has no end
+    const DVec2 at = glm::clamp(DVec2(apply(map.row_x), apply(map.row_y)) / w, least, most);
+    low = glm::min(low, at);
+    high = glm::max(high, at);
+  }
+  const DVec2 size = glm::max(high - low, 0.0);
+  return size.x * size.y;
+}
+
 bool MissesRows(const Caster& caster, std::span<const GpuSampleMap> maps,
                 const ReceiverPatch& receiver, uint32_t first_row, uint32_t rows,
                 double surface_offset) {

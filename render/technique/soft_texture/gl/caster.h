@@ -40,4 +40,8 @@ bool MissesRows(const Caster& caster, std::span<const GpuSampleMap> maps,
                 const ReceiverPatch& receiver, uint32_t first_row, uint32_t rows,
                 double surface_offset);
 
+// About how many texels of these rows are in the shadow of the caster's box.
+double TexelsCovered(const Caster& caster, const GpuSampleMap& map, const ReceiverPatch& receiver,
+                     uint32_t first_row, uint32_t rows);
+
 }  // namespace penumbra::texture_gl

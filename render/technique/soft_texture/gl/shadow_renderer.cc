@@ -11,9 +11,9 @@
 namespace penumbra::texture_gl {
 namespace {
 
-// Triangles times samples that one draw may have, so that a stop is heard of within a fraction of a
-// second on a software device.
-constexpr size_t kTrianglesPerDraw = size_t{1} << 19;
+// A triangle that is drawn is a unit of work. On a software device as long takes a shadow in this
+// many texels, and a visible sample's term in as many.
+constexpr double kTexelsPerUnit = 8;
 
 // Pages that are drawn before the first of them is waited for: enough to keep the device busy, and
 // a bound on what waits to be read.
@@ -97,11 +97,10 @@ absl::StatusOr<ShadowRenderer::Targets*> ShadowRenderer::TargetsFor(gl::Context&
   return &targets_.emplace(key, Targets{*std::move(shadows), *std::move(sums)}).first->second;
 }
 
-absl::Status ShadowRenderer::DrawCaster(gl::Context& context, const Caster& caster,
-                                        gl::Program& program, gl::Framebuffer& shadows,
-                                        const gl::PixelArea& area, int samples,
-                                        const std::stop_token& stop) {
+absl::StatusOr<gl::Program*> ShadowRenderer::BindCaster(gl::Context& context,
+                                                        const Caster& caster) {
   const Instance& instance = *caster.instance;
+  gl::Program& program = instance.alpha_mask ? masked_ : opaque_;
   auto mesh = meshes_->Mesh(context, *instance.mesh, kField);
   if (!mesh.ok()) return mesh.status();
   (*mesh)->Bind(context);
@@ -115,23 +114,40 @@ absl::Status ShadowRenderer::DrawCaster(gl::Context& context, const Caster& cast
   for (int c = 0; c < 4; ++c) program.Set(context, kColumns[c], instance.world_from_mesh[c]);
   program.Set(context, "heights", Vec2(caster.lowest, caster.highest));
   program.Set(context, "facing", caster.facing);
-  const size_t triangles = instance.mesh->triangle_count();
-  const auto at_a_time = static_cast<int>(
-      std::clamp<size_t>(kTrianglesPerDraw / triangles, 1, static_cast<size_t>(samples)));
-  for (int first = 0; first < samples; first += at_a_time) {
-    program.Set(context, "first_sample", first);
-    for (size_t t = 0; t < triangles; t += kTrianglesPerDraw) {
-      if (stop.stop_requested()) return absl::CancelledError("stop requested");
-      gl::Draw(context, {.program = program,
+  return &program;
+}
+
+absl::Status ShadowRenderer::DrawCaster(gl::Context& context, const Caster& caster,
+                                        gl::Framebuffer& shadows, const gl::PixelArea& area,
+                                        int samples, double texels, const std::stop_token& stop) {
+  const auto program = BindCaster(context, caster);
+  if (!program.ok()) return program.status();
+  // Units of a sample, if each of its texels is drawn to once.
+  const size_t triangles = caster.instance->mesh->triangle_count();
+  const double sample_units = static_cast<double>(triangles) + texels / kTexelsPerUnit;
+  const auto samples_at_a_time =
+      static_cast<int>(std::clamp(pace_.most() / sample_units, 1.0, static_cast<double>(samples)));
+  const auto all = static_cast<double>(triangles);
+  const auto triangles_at_a_time =
+      static_cast<size_t>(std::clamp(pace_.most() / sample_units * all, 1.0, all));
+  for (int first = 0; first < samples; first += samples_at_a_time) {
+    (*program)->Set(context, "first_sample", first);
+    const int drawn_samples = std::min(samples_at_a_time, samples - first);
+    for (size_t t = 0; t < triangles; t += triangles_at_a_time) {
+      const size_t drawn = std::min(triangles_at_a_time, triangles - t);
+      gl::Draw(context, {.program = **program,
                          .vertices = no_attributes_,
                          .target = shadows,
-                         .count = static_cast<int>(3 * std::min(kTrianglesPerDraw, triangles - t)),
+                         .count = static_cast<int>(3 * drawn),
                          .depth_test = gl::DepthTest::kNone,
                          .writes_depth = false,
                          .combine = gl::Combine::kOr,
                          .first = static_cast<int>(3 * t),
-                         .instances = std::min(at_a_time, samples - first),
+                         .instances = drawn_samples,
                          .area = area});
+      const double units = drawn_samples * sample_units * static_cast<double>(drawn) / all;
+      absl::Status status = pace_.Did(context, units, stop);
+      if (!status.ok()) return status;
     }
   }
   return absl::OkStatus();
@@ -159,16 +175,18 @@ absl::Status ShadowRenderer::DrawTile(gl::Context& context, const Tile& tile,
     if (MissesRows(caster, maps, receiver, tile.first_row, tile.rows, request.surface_offset)) {
       continue;
     }
-    absl::Status status =
-        DrawCaster(context, caster, caster.instance->alpha_mask ? masked_ : opaque_, shadows,
-                   AreaOf(tile, receiver), static_cast<int>(maps.size()), stop);
+    const double texels =
+        TexelsCovered(caster, maps[maps.size() / 2], receiver, tile.first_row, tile.rows);
+    absl::Status status = DrawCaster(context, caster, shadows, AreaOf(tile, receiver),
+                                     static_cast<int>(maps.size()), texels, stop);
     if (!status.ok()) return status;
   }
   return absl::OkStatus();
 }
 
 absl::Status ShadowRenderer::Resolve(gl::Context& context, const Tile& tile, const ShadowWork& work,
-                                     size_t pass, bool shades, Targets& targets) {
+                                     size_t pass, bool shades, Targets& targets,
+                                     const std::stop_token& stop) {
   const ReceiverPatch& receiver = work.request->receiver;
   gl::Program& program = shades ? shade_ : count_;
   targets.shadows.BindColor(context, kShadowsUnit);
@@ -188,14 +206,22 @@ absl::Status ShadowRenderer::Resolve(gl::Context& context, const Tile& tile, con
   }
   program.Set(context, "rows", RowsOf(tile));
   program.Set(context, "slot", SlotOf(tile));
-  gl::Draw(context, {.program = program,
-                     .vertices = no_attributes_,
-                     .target = targets.sums,
-                     .count = 3,
-                     .depth_test = gl::DepthTest::kNone,
-                     .writes_depth = false,
-                     .combine = gl::Combine::kAdd,
-                     .area = AreaOf(tile, receiver)});
+  const double row_units = receiver.width / kTexelsPerUnit * (shades ? kSamplesPerPass : 1);
+  gl::PixelArea band = AreaOf(tile, receiver);
+  const int end = band.y + band.height;
+  for (; band.y < end; band.y += band.height) {
+    band.height = static_cast<int>(std::clamp(pace_.most() / row_units, 1.0, 1.0 * (end - band.y)));
+    gl::Draw(context, {.program = program,
+                       .vertices = no_attributes_,
+                       .target = targets.sums,
+                       .count = 3,
+                       .depth_test = gl::DepthTest::kNone,
+                       .writes_depth = false,
+                       .combine = gl::Combine::kAdd,
+                       .area = band});
+    if (auto status = pace_.Did(context, band.height * row_units, stop); !status.ok())
+      return status;
+  }
   return absl::OkStatus();
 }
 
@@ -217,7 +243,8 @@ absl::StatusOr<gl::Readback> ShadowRenderer::DrawPage(gl::Context& context, cons
       if (!status.ok()) return status;
     }
     for (const Tile& tile : page.tiles) {
-      absl::Status status = Resolve(context, tile, works[tile.receiver], pass, shades, **targets);
+      absl::Status status =
+          Resolve(context, tile, works[tile.receiver], pass, shades, **targets, stop);
       if (!status.ok()) return status;
     }
   }
@@ -228,6 +255,7 @@ absl::StatusOr<gl::Readback> ShadowRenderer::DrawPage(gl::Context& context, cons
 absl::StatusOr<std::vector<ShadowSums>> ShadowRenderer::Draw(
     gl::Context& context, std::span<const ShadowRequest> requests, const std::stop_token& stop) {
   if (absl::Status status = context.Check("ShadowRenderer::Draw"); !status.ok()) return status;
+  pace_.Start(context);
   std::vector<ShadowWork> works;
   std::vector<TexelSize> sizes;
   std::vector<ShadowSums> sums(requests.size());

@@ -17,6 +17,7 @@
 #include "render/gl/program.h"
 #include "render/gl/readback.h"
 #include "render/gl/vertex_array.h"
+#include "render/gl/work_pace.h"
 #include "render/light_view/gl/mesh_store.h"
 #include "render/technique/soft_texture/gl/pages.h"
 #include "render/technique/soft_texture/gl/shadow_work.h"
@@ -31,7 +32,7 @@ class ShadowRenderer {
   static absl::StatusOr<ShadowRenderer*> Of(gl::Context& context);
 
   // Shapes  N requests → N sums
-  // Errors  kCancelled: stop requested, asked once a sample and before each draw;
+  // Errors  kCancelled: stop requested, asked once a sample and every 20 ms or so;
   //         kResourceExhausted: GL_MEMORY, or out of memory; kUnavailable: the context is lost
   // Cost    O(samples · (triangles + candidate texels)); of GPU memory, besides the meshes kept,
   //         that of a few pages
@@ -54,15 +55,18 @@ class ShadowRenderer {
                                         const std::stop_token& stop);
   absl::Status DrawTile(gl::Context& context, const Tile& tile, const ShadowWork& work, size_t pass,
                         gl::Framebuffer& shadows, const std::stop_token& stop);
-  absl::Status DrawCaster(gl::Context& context, const Caster& caster, gl::Program& program,
-                          gl::Framebuffer& shadows, const gl::PixelArea& area, int samples,
+  absl::StatusOr<gl::Program*> BindCaster(gl::Context& context, const Caster& caster);
+  // texels  that its shadow covers, about
+  absl::Status DrawCaster(gl::Context& context, const Caster& caster, gl::Framebuffer& shadows,
+                          const gl::PixelArea& area, int samples, double texels,
                           const std::stop_token& stop);
   absl::Status Resolve(gl::Context& context, const Tile& tile, const ShadowWork& work, size_t pass,
-                       bool shades, Targets& targets);
+                       bool shades, Targets& targets, const std::stop_token& stop);
 
   MeshStore* const meshes_;  // the context's
   gl::VertexArray no_attributes_;
   gl::Program opaque_, masked_, count_, shade_;
+  gl::WorkPace pace_;
   // By width, height and whether radiance is summed up.
   std::map<std::tuple<uint32_t, uint32_t, bool>, Targets> targets_;
 };
