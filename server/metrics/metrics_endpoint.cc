@@ -19,8 +19,10 @@ constexpr char kField[] = "metrics_listen";
 // A scraper that sends nothing, or reads nothing, is let go after this.
 constexpr char kRequestTimeoutMs[] = "5000";
 
+// Debian's civetweb is built without IPv6.
 absl::Status CheckAddress(const std::string& address) {
-  if (!address.starts_with("unix:") && CheckListenAddress(address).ok()) return absl::OkStatus();
+  const bool may_serve = !address.starts_with("unix:") && !address.starts_with("[");
+  if (may_serve && CheckListenAddress(address).ok()) return absl::OkStatus();
   return FieldError(absl::StatusCode::kInvalidArgument, "BAD_ADDRESS", kField,
                     absl::StrCat("found '", address,
                                  "', need a loopback address and port such as 127.0.0.1:9464"));

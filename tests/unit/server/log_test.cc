@@ -109,7 +109,6 @@ class LineLoggerTest : public ::testing::Test {
     EXPECT_EQ(pipe2(ends, O_CLOEXEC | O_NONBLOCK), 0);
     read_end_ = ends[0];
     write_end_ = ends[1];
-    fcntl(write_end_, F_SETPIPE_SZ, 4096);
   }
   ~LineLoggerTest() override {
     close(read_end_);
@@ -179,6 +178,7 @@ TEST_F(LineLoggerTest, TellsAtItsEndWhatWasLeftOut) {
 }
 
 TEST_F(LineLoggerTest, AReaderThatDoesNotReadHoldsUpNobody) {
+  fcntl(write_end_, F_SETPIPE_SZ, 8192);
   fcntl(write_end_, F_SETFL, fcntl(write_end_, F_GETFL) & ~O_NONBLOCK);
   LineLogger logger(Options());
   const std::string text(200, 'x');

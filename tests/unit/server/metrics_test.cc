@@ -112,12 +112,12 @@ TEST(MetricsEndpointTest, ListensOnLoopbackAlone) {
   const auto collector =
       std::make_shared<MetricsCollector>(counters, [] { return MetricsGauges{}; });
   for (const char* address : {"0.0.0.0:0", "example.org:9464", "127.0.0.1", "unix:/tmp/metrics",
-                              "127.0.0.1:99999", "9464", ""}) {
+                              "127.0.0.1:99999", "[::1]:0", "9464", ""}) {
     const auto endpoint = MetricsEndpoint::Open(address, collector);
     EXPECT_EQ(ErrorReason(endpoint.status()), "BAD_ADDRESS") << address;
     EXPECT_EQ(ErrorFieldPath(endpoint.status()), "metrics_listen");
   }
-  for (const char* address : {"127.0.0.1:0", "localhost:0", "[::1]:0"}) {
+  for (const char* address : {"127.0.0.1:0", "127.0.0.2:0", "localhost:0"}) {
     const auto endpoint = MetricsEndpoint::Open(address, collector);
     ASSERT_TRUE(endpoint.ok()) << endpoint.status();
     EXPECT_FALSE((*endpoint)->address().ends_with(":0"));
