@@ -24,6 +24,14 @@ std::string LineOf(const TokenRequest& request, const std::string& token) {
   return line;
 }
 
+// Whether a line that is added to the file would go on in its last one.
+bool LacksLineEnd(const std::string& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file || file.tellg() <= 0) return false;
+  file.seekg(-1, std::ios::end);
+  return file.get() != '\n';
+}
+
 void Make(const TokenRequest& request) {
   const std::string token = MakeBearerToken();
   const std::string line = LineOf(request, token);
@@ -32,8 +40,9 @@ void Make(const TokenRequest& request) {
   if (request.append.empty()) {
     std::fprintf(stderr, "for the file of --tokens:\n%s\n", line.c_str());
   } else {
+    const char* const start = LacksLineEnd(request.append) ? "\n" : "";
     std::ofstream out(request.append, std::ios::app);
-    out << line << std::endl;
+    out << start << line << std::endl;
     if (!out) throw CLI::FileError("--append: cannot write " + request.append);
   }
   std::printf("%s\n", token.c_str());

@@ -26,6 +26,8 @@ import raw_http2 as h2
 
 PENUMBRAD, NGHTTPX_CONF = sys.argv[1:3]
 MAX_BYTES = 64 << 20
+# SessionRequest.hello with protocol_versions [1] and scene_id "studio".
+HELLO = b"\x0a\x0b\x0a\x01\x01\x12\x06studio"
 MAX_SECONDS = 2.0
 
 
@@ -41,7 +43,7 @@ def wait_for(condition, limit_s=20.0):
 class Server:
     """penumbrad, on a port of its own."""
 
-    def __init__(self, descriptors=None):
+    def __init__(self, descriptors=None, *options):
         self.folder = tempfile.TemporaryDirectory()
         address = pathlib.Path(self.folder.name) / "address"
 
@@ -51,7 +53,7 @@ class Server:
 
         self.process = subprocess.Popen(
             [PENUMBRAD, "--listen", "127.0.0.1:0", "--address-file", address,
-             "--egl-device", "none", "--threads", "1"],
+             "--egl-device", "none", "--threads", "1", *options],
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, preexec_fn=limit, text=True)
         self.port = int(wait_for(lambda: address.exists() and address.read_text()).split(":")[1])
 
@@ -145,6 +147,35 @@ class DirectTest(HostileTest):
                     connection.socket.close()
         finally:
             server.close()
+
+    def test_E03_a_stream_whose_client_takes_nothing_ends_with_its_right_too(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tokens = pathlib.Path(folder) / "tokens"
+            token = subprocess.run(
+                [PENUMBRAD, "token", "--name", "ana", "--role", "editor", "--append", tokens],
+                check=True, capture_output=True, text=True).stdout.strip()
+            server = Server(None, "--tokens", tokens)
+            try:
+                shown = ("authorization", f"Bearer {token}")
+                scene = b"\x0a\x06studio"  # scene_id = 1
+                with h2.Connection(server.port) as connection:
+                    connection.call("CreateScene", scene, shown)
+                with h2.Connection(server.port, greet=False) as connection:
+                    no_window = b"\x00\x04" + bytes(4)
+                    connection.send(h2.PREFACE + h2.frame(h2.SETTINGS, 0, 0, no_window))
+                    connection.send(
+                        h2.frame(h2.HEADERS, h2.END_HEADERS, 1, h2.request_headers("Session", shown)) +
+                        h2.frame(h2.DATA, 0, 1, h2.message(HELLO)))
+                    time.sleep(0.5)
+                    tokens.write_text("# nobody\n")
+                    start = time.monotonic()
+                    frames = connection.read_until(
+                        lambda frame: frame.stream == 1 and
+                        (frame.ends_stream or frame.kind == h2.RST_STREAM))
+                    self.assertEqual(frames[-1].stream, 1)
+                    self.assertLess(time.monotonic() - start, 5.0)
+            finally:
+                server.close()
 
     def test_C05_who_sends_nothing_or_half_a_preface_is_let_go(self):
         with self.attack():
