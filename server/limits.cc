@@ -26,7 +26,7 @@ v1::Limits ToProto(const ServerLimits& limits) {
   proto.set_max_streams_per_connection(limits.max_streams_per_connection);
   proto.set_max_display_name_bytes(limits.max_display_name_bytes);
   proto.set_max_selected_ids(limits.max_selected_ids);
-  proto.set_max_stall_seconds(static_cast<uint32_t>(limits.max_stall.count()));
+  proto.set_max_stall_seconds(limits.max_stall_seconds);
   proto.set_max_pending_commits(limits.max_pending_commits);
   return proto;
 }

@@ -63,7 +63,7 @@ struct ServerLimits {
   uint32_t max_display_name_bytes = 256;
   uint32_t max_selected_ids = 256;
   // A client that has not taken a message for so long is let go; it can resume.
-  std::chrono::seconds max_stall{30};
+  uint32_t max_stall_seconds = 30;
   // Of one scene, on their way to the disk.
   size_t max_pending_commits = 4'096;
 

@@ -9,8 +9,8 @@
 namespace penumbra {
 namespace {
 
-// Others who commit at the same time make a commit on a certain revision fail. Whoever is this unlucky
-// stands in a queue of so many.
+// Others who commit at the same time make a commit on a certain revision fail. Whoever is this
+// unlucky stands in a queue of so many.
 constexpr int kMaxTries = 64;
 
 template <typename T>

@@ -1,5 +1,5 @@
-// Undo and redo of one's own edits. Both are ordinary commits: others see them as such, and what others
-// have edited since is not undone with it.
+// Undo and redo of one's own edits. Both are ordinary commits: others see them as such, and what
+// others have edited since is not undone with it.
 //
 //   EditHistory history(engine, "studio");
 //   history.Commit(delta);

@@ -10,8 +10,8 @@
 // other subscriptions waiting. A callback slower than the updates misses those in between.
 //
 // When the connection breaks, a session is resumed on another one: commits under way are sent again
-// under the key that makes them one, subscriptions go on, and the mirror hears what it has missed. What
-// cannot be resumed within `reconnect_for_s` ends with kUnavailable. Later calls connect anew.
+// under the key that makes them one, subscriptions go on, and the mirror hears what it has missed.
+// What cannot be resumed within `reconnect_for_s` ends with kUnavailable. Later calls connect anew.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// One session: commits to a scene, subscriptions to its artifacts, a mirror of its content. Its stream
-// may break; it then goes on with another one.
+// One session: commits to a scene, subscriptions to its artifacts, a mirror of its content. Its
+// stream may break; it then goes on with another one.
 //
 //   auto session = SceneSession::Open(connection, "studio");
 //   auto revision = (*session)->Commit(delta);
@@ -37,7 +37,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   absl::StatusOr<std::shared_ptr<const Scene>> Snapshot();
   absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const ArtifactSpec& spec,
                                                           RemoteEngine::MeasuredCallback callback);
-  // Does not wait for an answer: there is none to a view that CheckView finds nothing wrong with.
+  // Waits for no answer: there is none to a view that CheckView finds nothing wrong with.
   absl::Status ReportView(const std::optional<View>& view);
   absl::StatusOr<std::vector<EachSubscription>> SubscribeEach(const EachRequest& request,
                                                               RemoteEngine::EachCallback callback);
@@ -52,8 +52,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
 
  private:
   using Stream = grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>;
-  // One connection's share of the session.
-  struct Link {
+  struct Link {           // one connection's share of the session
     uint64_t number = 0;  // counts up
     grpc::ClientContext context{};
     std::unique_ptr<Stream> stream{};
@@ -89,7 +88,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   absl::Status Greet();
   absl::StatusOr<Revision> TryCommit(const SceneDelta& delta);
   absl::Status Upload(const SceneDelta& delta, const Scene& known);
-  // False: it is not on its way. On this link only, where one is named.
+  // False: it is not on its way. On one link only, if any.
   bool Send(const v1::SessionRequest& request, bool more_follows = false,
             std::optional<uint64_t> link = std::nullopt);
   void SendConsumed(uint64_t subscription_id, const Consumed& consumed);
@@ -105,6 +104,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
             bool missed_nothing = false) const;
 
   bool ReadOne();
+  void Dispatch();
   void Hear(Revision revision);
   std::optional<double> HeardMs(Revision revision) const;
   void Receive(v1::CommitResult& result);
@@ -126,7 +126,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
 
   const std::string key_prefix_;         // of idempotency keys
   v1::SessionResponse response_;         // the reader's; kept for its memory
-  std::map<Revision, double> heard_ms_;  // the reader's: when the newest revisions were heard of
+  std::map<Revision, double> heard_ms_;  // the reader's: when revisions were heard of
   std::string incarnation_;              // the reader's: which scene of this id it is
   std::mutex write_mutex_;               // one writes at a time; guards write_link_
   std::shared_ptr<Link> write_link_;

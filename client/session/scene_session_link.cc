@@ -23,13 +23,15 @@ constexpr uint32_t kProtocolVersion = 1;
 constexpr double kFirstWaitS = 0.1;
 constexpr double kLongestWaitS = 5.0;
 
-// Between half of it and all of it, so that those who lost a server together do not come back together.
+// Between half of it and all of it, so that those who lost a server together do not come back
+// together.
 double Jittered(double seconds) {
   static thread_local std::minstd_rand random(std::random_device{}());
   return seconds * std::uniform_real_distribution<double>(0.5, 1.0)(random);
 }
 
-// The server is away, or wants less of us: a session that it let go for not reading, or one too many.
+// The server is away, or wants less of us: a session that it let go for not reading, or one too
+// many.
 bool MayPass(const absl::Status& reason) {
   return absl::IsUnavailable(reason) || absl::IsResourceExhausted(reason);
 }

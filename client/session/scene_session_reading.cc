@@ -25,6 +25,16 @@ bool SceneSession::ReadOne() {
     EndAll(ended);
     return false;
   }
+  Dispatch();
+  if (response_.has_welcome()) incarnation_ = response_.welcome().incarnation();
+  std::lock_guard lock(mutex_);
+  is_welcome_ = is_welcome_ || response_.has_welcome();
+  const bool is_awaited = !response_.has_artifact_update();
+  if (is_awaited) changed_.notify_all();
+  return true;
+}
+
+void SceneSession::Dispatch() {
   switch (response_.response_case()) {
     case v1::SessionResponse::kArtifactUpdate:
       Receive(response_.artifact_update());
@@ -57,12 +67,6 @@ bool SceneSession::ReadOne() {
     case v1::SessionResponse::RESPONSE_NOT_SET:
       break;
   }
-  if (response_.has_welcome()) incarnation_ = response_.welcome().incarnation();
-  std::lock_guard lock(mutex_);
-  is_welcome_ = is_welcome_ || response_.has_welcome();
-  const bool is_awaited = !response_.has_artifact_update();
-  if (is_awaited) changed_.notify_all();
-  return true;
 }
 
 void SceneSession::Hear(Revision revision) {

@@ -1,5 +1,5 @@
-// The meshes and masks that clients have uploaded, by content hash: in memory, and on disk where the
-// server keeps scenes there.
+// The meshes and masks that clients have uploaded, by content hash: in memory, and on disk where
+// the server keeps scenes there.
 //
 //   auto upload = store.Begin(hash, size_bytes);           // reserves the bytes
 //   if (auto status = upload->Append(chunk); !status.ok()) return status;

@@ -96,17 +96,18 @@ void SceneStore::Commit(const std::string& scene_id, CommitRequest request,
                                                    .time_ms = UtcNowMs(),
                                                    .done = {std::move(done)}});
   absl::StatusOr<CommitOutcome> outcome = Prepare(*entry, *pending);
-  if (outcome.ok() && entry->log) {
-    entry->newest = pending->after;
-    entry->pending.push_back(std::move(pending));
-    if (std::exchange(entry->is_writing, true)) return;
-    storage_->lane().Post([this, entry] { WritePending(entry); });
-    return;
-  }
+  if (outcome.ok() && entry->log) return Send(entry, std::move(pending));
   if (outcome.ok()) outcome = Publish(*entry, *pending);
   if (outcome.ok()) entry->newest = pending->after;
   lock.unlock();
   pending->done.front()(outcome);
+}
+
+void SceneStore::Send(const std::shared_ptr<Entry>& entry, std::shared_ptr<Pending> pending) {
+  entry->newest = pending->after;
+  entry->pending.push_back(std::move(pending));
+  if (std::exchange(entry->is_writing, true)) return;
+  storage_->lane().Post([this, entry] { WritePending(entry); });
 }
 
 absl::StatusOr<CommitOutcome> SceneStore::Prepare(Entry& entry, Pending& pending) const {

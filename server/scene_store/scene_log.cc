@@ -22,7 +22,7 @@ absl::Status SceneLog::Append(std::span<const CommitRecord> commits,
     if (auto status = BeginAnew(whole()); !status.ok()) return status;
   }
   const absl::Status status = file_->Append(commits);
-  // Room on the disk is asked for before anything counts as written, so that a full one is no doubt.
+  // Room on the disk is asked for before anything counts as written: a full one leaves no doubt.
   if (!status.ok() && !absl::IsResourceExhausted(status)) Abandon();
   return status;
 }

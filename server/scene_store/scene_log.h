@@ -1,5 +1,5 @@
-// The disk's side of one scene while a server has it: appends, and begins the file anew where that has
-// failed.
+// The disk's side of one scene while a server has it: appends, and begins the file anew where that
+// has failed.
 #pragma once
 
 #include <cstdint>

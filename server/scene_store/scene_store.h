@@ -123,10 +123,11 @@ class SceneStore {
   std::shared_ptr<Entry> MakeEntry(std::shared_ptr<const Scene> scene,
                                    std::shared_ptr<SceneLog> log);
   absl::Status DeleteRefused(const std::string& scene_id);
-  // With the entry's mutex locked, as for the next four.
+  // With the entry's mutex locked, as for the next five.
   Recalled Recall(const Entry& entry, const std::string& key, const ContentHash& fingerprint) const;
   void Remember(Entry& entry, const CommitRecord& answer);
   absl::StatusOr<CommitOutcome> Prepare(Entry& entry, Pending& pending) const;
+  void Send(const std::shared_ptr<Entry>& entry, std::shared_ptr<Pending> pending);
   absl::StatusOr<CommitOutcome> Publish(Entry& entry, const Pending& pending);
 
   void WritePending(const std::shared_ptr<Entry>& entry);

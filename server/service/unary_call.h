@@ -44,8 +44,8 @@ auto AnswerIfAllowed(grpc::CallbackServerContext& context, const ServiceParts& p
   return answer(message, *caller);
 }
 
-// Finishes the call with that. `answer` may wait for the disk where `lane` is one, on whose thread it
-// then runs; where there is none it must not take long.
+// Finishes the call with that. `answer` may wait for the disk where `lane` is one, on whose thread
+// it then runs; where there is none it must not take long.
 template <typename Request, typename Answer>
 grpc::ServerUnaryReactor* AnswerUnaryOn(WorkerPool::Lane* lane, const ServiceParts& parts,
                                         grpc::CallbackServerContext* context,

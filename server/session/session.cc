@@ -107,14 +107,15 @@ void Session::EndIfStalled(std::chrono::steady_clock::time_point now) {
   FeedTable feeds;
   {
     std::lock_guard lock(mutex_);
-    if (closed_ || !handed_over_at_ || now - *handed_over_at_ < services_.limits.max_stall) return;
+    const std::chrono::seconds patience{services_.limits.max_stall_seconds};
+    if (closed_ || !handed_over_at_ || now - *handed_over_at_ < patience) return;
     handed_over_at_.reset();
     feeds.swap(feeds_);
   }
   for (auto& [id, feed] : feeds) Release(std::move(feed));
   const auto reason = FieldError(
       absl::StatusCode::kResourceExhausted, "SLOW_CONSUMER", "",
-      absl::StrCat("found nothing taken for ", services_.limits.max_stall.count(),
+      absl::StrCat("found nothing taken for ", services_.limits.max_stall_seconds,
                    " s, need a client that reads: resume from the revision that it has"));
   End(reason);
   let_go_(reason);

@@ -84,6 +84,7 @@ class Session : public SceneWatcher,
 
   absl::Status OnHello(const v1::Hello& hello);
   absl::Status CheckHello(const v1::Hello& hello) const;
+  void Enter(const v1::Hello& hello, const Scene& scene);
   void Greet(const v1::Hello& hello, Reply& welcome);
   void OnCommit(const v1::Commit& commit, const absl::Status& allowed);
   void Apply(const v1::Commit& commit, CommitCallback done);

@@ -54,12 +54,17 @@ absl::Status Session::OnHello(const v1::Hello& hello) {
   incarnation_ = watched->incarnation;
   client_name_ = hello.client_name();
   record_->Greet(scene_id_, client_name_);
+  Enter(hello, *watched->scene);
+  return absl::OkStatus();
+}
+
+void Session::Enter(const v1::Hello& hello, const Scene& scene) {
   room_ = services_.presence.RoomOf(incarnation_);
   const auto welcome = std::make_shared<Reply>(
-      Reply{.response = MakeWelcome(*watched->scene, kProtocolVersion), .is_ready = false});
+      Reply{.response = MakeWelcome(scene, kProtocolVersion), .is_ready = false});
   {
     std::lock_guard lock(mutex_);
-    if (closed_) return absl::OkStatus();
+    if (closed_) return;
     if (hello.has_presence()) {
       participant_id_ = room_->Join(weak_from_this(), hello.presence());
       has_presence_news_ = true;
@@ -68,14 +73,12 @@ absl::Status Session::OnHello(const v1::Hello& hello) {
     replies_.push_back(welcome);
   }
   WorkerPool::Lane* const lane = services_.scenes.storage_lane();
-  const bool is_behind =
-      hello.has_resume() && hello.resume().revision() != watched->scene->revision();
+  const bool is_behind = hello.has_resume() && hello.resume().revision() != scene.revision();
   if (lane && is_behind) {
     lane->Post([self = shared_from_this(), hello, welcome] { self->Greet(hello, *welcome); });
   } else {
     Greet(hello, *welcome);
   }
-  return absl::OkStatus();
 }
 
 absl::Status Session::CheckHello(const v1::Hello& hello) const {

@@ -22,7 +22,7 @@ SessionTable::~SessionTable() {
 
 void SessionTable::Sweep() {
   // A tenth late at most.
-  const auto interval = std::chrono::milliseconds(limits_.max_stall) / 10;
+  const std::chrono::milliseconds interval{limits_.max_stall_seconds * 100};
   std::unique_lock lock(mutex_);
   while (!is_over_.wait_for(lock, interval, [this] { return is_closing_; })) {
     std::vector<std::shared_ptr<Session>> open;

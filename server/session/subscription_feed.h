@@ -71,7 +71,7 @@ class SubscriptionFeed {
   const size_t max_message_bytes_;
   uint32_t credit_;
   uint64_t sent_number_ = 0;   // StreamState::number of the update last begun
-  uint64_t skipped_ = 0;       // states that were never sent
+  uint64_t all_skipped_ = 0;   // states that were never sent
   uint64_t told_skipped_ = 0;  // of which the client has been told
   std::chrono::steady_clock::time_point told_at_{};
   uint64_t held_sequence_ = 0;  // of the artifact last sent whole; the client holds it or soon will

@@ -10,7 +10,7 @@
 namespace penumbra {
 namespace {
 
-// `previous` is the chain before a commit: rows check out on their own once older ones are forgotten.
+// `previous` is the chain before a commit: rows check out by themselves once older ones are gone.
 constexpr char kSchema[] = R"(
 CREATE TABLE scene (
   one INTEGER PRIMARY KEY CHECK (one = 1),
@@ -28,6 +28,27 @@ CREATE TABLE snapshots (
 )";
 
 constexpr int64_t kFormat = 1;
+
+struct ChainedCommit {
+  CommitRecord commit;
+  ContentHash previous;
+  ContentHash chain;
+};
+
+// Of a row of all columns of `commits`. Errors  kDataLoss DAMAGED: the row does not fit its hashes
+absl::StatusOr<ChainedCommit> CheckedCommit(const Statement& row) {
+  auto commit = CommitIn(row);
+  if (!commit.ok()) return commit.status();
+  const auto delta_hash = HashIn(row, 7), previous = HashIn(row, 8), chain = HashIn(row, 9);
+  if (!delta_hash.ok() || !previous.ok() || !chain.ok()) return Damaged("hashes of no length");
+  if (*chain != NextChain(*previous, *commit, *delta_hash)) {
+    return Damaged("a commit that does not fit its hash");
+  }
+  if (!row.IsNull(6) && HashOfBytes(commit->delta) != *delta_hash) {
+    return Damaged("a delta that does not fit its hash");
+  }
+  return ChainedCommit{*std::move(commit), *previous, *chain};
+}
 
 absl::Status CreateTables(Database& database, const SceneIdentity& identity) {
   if (auto status = database.Execute(kSchema); !status.ok()) return status;
@@ -181,27 +202,20 @@ absl::Status SceneFile::VerifyCommits() {
       "previous, chain FROM commits ORDER BY revision");
   if (!rows.ok()) return rows.status();
   absl::Status status = ForEachRow(*rows, [&](const Statement& row) -> absl::Status {
-    const auto commit = CommitIn(row);
-    if (!commit.ok()) return commit.status();
-    const auto delta_hash = HashIn(row, 7), previous = HashIn(row, 8), chain = HashIn(row, 9);
-    if (!delta_hash.ok() || !previous.ok() || !chain.ok()) return Damaged("hashes of no length");
-    if (*chain != NextChain(*previous, *commit, *delta_hash)) {
-      return Damaged("a commit that does not fit its hash");
-    }
-    if (!row.IsNull(6) && HashOfBytes(commit->delta) != *delta_hash) {
-      return Damaged("a delta that does not fit its hash");
-    }
-    const bool follows = row_before && *row_before + 1 == commit->revision;
-    if (follows && *chain_before != *previous) return Damaged("commits of two histories");
-    if (commit->revision == 1 && *previous != FirstChain(identity_)) {
+    const auto checked = CheckedCommit(row);
+    if (!checked.ok()) return checked.status();
+    const auto& [commit, previous, chain] = *checked;
+    const bool follows = row_before && *row_before + 1 == commit.revision;
+    if (follows && *chain_before != previous) return Damaged("commits of two histories");
+    if (commit.revision == 1 && previous != FirstChain(identity_)) {
       return Damaged("a first commit of another scene");
     }
-    if (commit->revision > *oldest) {
-      if (commit->revision != last + 1 || row.IsNull(6)) return Damaged("a commit missing");
-      last = commit->revision;
+    if (commit.revision > *oldest) {
+      if (commit.revision != last + 1 || row.IsNull(6)) return Damaged("a commit missing");
+      last = commit.revision;
     }
-    row_before = commit->revision;
-    chain_before = *chain;
+    row_before = commit.revision;
+    chain_before = chain;
     return absl::OkStatus();
   });
   if (!status.ok()) return status;

@@ -58,8 +58,8 @@ class SceneFile {
   const SceneHead& head() const { return head_; }
   // The log's end was incomplete when the file was opened, and has been left out.
   bool had_torn_tail() const { return had_torn_tail_; }
-  // Of consecutive revisions after the head. All of them are on disk when it returns; after an error
-  // none is.
+  // Of consecutive revisions after the head. All of them are on disk when it returns; after an
+  // error none is.
   absl::Status Append(std::span<const CommitRecord> commits);
   // Keeps `snapshot`, of the head, and forgets what is older than the limits ask for.
   absl::Status AppendSnapshot(const SnapshotRecord& snapshot, const HistoryLimits& limits);

@@ -46,8 +46,8 @@ struct SceneHead {
 
 // The chain before the first commit.
 ContentHash FirstChain(const SceneIdentity& identity);
-// The chain after `commit`, whose delta has the hash `delta_hash`: two scenes with equal chains have
-// had the same commits.
+// The chain after `commit`, whose delta has the hash `delta_hash`: two scenes with equal chains
+// have had the same commits.
 ContentHash NextChain(const ContentHash& chain, const CommitRecord& commit,
                       const ContentHash& delta_hash);
 ContentHash HashOf(const SnapshotRecord& snapshot);

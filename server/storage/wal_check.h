@@ -2,8 +2,8 @@
 //
 // SQLite reads a log up to the first frame whose checksum is wrong, and takes the rest for what a
 // crash left half written. That is right for the last transaction; a damaged frame before that one
-// would silently take back what was acknowledged. Both look at the log as sqlite.org/fileformat2.html
-// describes it (section 4).
+// would silently take back what was acknowledged. The log is read as section 4 of
+// sqlite.org/fileformat2.html describes it.
 #pragma once
 
 #include <cstddef>

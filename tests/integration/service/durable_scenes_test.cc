@@ -1,4 +1,4 @@
-// Scenes that outlive their server: as it was told to end, as it was killed, and on a disk that fails.
+// Scenes that outlive their server: told to end, killed, and on a disk that fails.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -231,7 +232,21 @@ TEST_F(DurableScenesTest, CompactedScenesAreBackToo) {
   EXPECT_EQ(session_->Commit(MoveBox({0, 1, 0.01f * 59}), "key59").revision(), before.revision);
 }
 
-// Row D01, in little: tests/reliability does it at length.
+// Commits until there is no answer; the newest answer, if there is any.
+std::optional<v1::CommitResult> CommitUntilTheEnd(WireSession& session, float z) {
+  std::optional<v1::CommitResult> newest;
+  for (int i = 0;; ++i) {
+    v1::SessionRequest request;
+    *request.mutable_commit()->mutable_delta() = ToProto(MoveBox({0.001f * i, 1, z}));
+    session.Send(request);
+    const auto response = session.Read();
+    if (!response) return newest;
+    EXPECT_FALSE(response->commit_result().has_error());
+    newest = response->commit_result();
+  }
+}
+
+// Row D01.
 TEST(KilledDaemonTest, D01EveryAcknowledgedCommitIsThere) {
   const TemporaryFolder folder;
   std::mt19937 random(3);
@@ -258,16 +273,9 @@ TEST(KilledDaemonTest, D01EveryAcknowledgedCommitIsThere) {
       std::this_thread::sleep_for(after);
       daemon.Signal(SIGKILL);
     });
-    for (int i = 0;; ++i) {
-      v1::SessionRequest request;
-      *request.mutable_commit()->mutable_delta() = ToProto(MoveBox({0.001f * i, 1, 0.1f * life}));
-      session->Send(request);
-      const auto response = session->Read();
-      if (!response) break;  // it is gone
-      const v1::CommitResult& result = response->commit_result();
-      EXPECT_FALSE(result.has_error()) << result.error().message();
-      acknowledged = result.revision();
-      hash = result.content_hash();
+    if (const auto newest = CommitUntilTheEnd(*session, 0.1f * life)) {
+      acknowledged = newest->revision();
+      hash = newest->content_hash();
     }
     killer.join();
   }

@@ -122,8 +122,10 @@ TEST_F(ReconnectTest, WhatOthersDidMeanwhileIsHeard) {
 TEST_F(ReconnectTest, ADeletedSceneIsGivenUp) {
   const auto engine = ConnectForLong();
   ASSERT_EQ(engine->CreateScene("studio"), absl::OkStatus());
+  ASSERT_TRUE(engine->Commit("studio", Studio()).ok());
   Inbox inbox;
   const auto subscription = engine->Subscribe("studio", FloorSpec(), inbox.callback());
+  ASSERT_TRUE(inbox.WaitForFinal(1));
   const std::string address = server_->address();
   server_->Shutdown(std::chrono::seconds(2));
   server_.reset();

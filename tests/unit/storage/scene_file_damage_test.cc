@@ -1,5 +1,5 @@
-// A scene's file with bits flipped, cut, or pieces of it exchanged: what it tells is what was written,
-// or it tells nothing. Row D03 and D04 of the catalogue.
+// A scene's file with bits flipped, cut, or pieces of it exchanged: what it tells is what was
+// written, or it tells nothing. Row D03 and D04 of the catalogue.
 
 #include <gtest/gtest.h>
 
