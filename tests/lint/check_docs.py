@@ -19,7 +19,8 @@ TOLD = {"Options": ("options.cc", r"add_(?:option|flag)\(\s*\"--([\w-]+)\""),
         "Log": ("**/*.cc", r"\b(?:(?:Debug|Info|Warning|Error)\(|Write(?:Line)?\([\w:]+,)\s*"
                            r"\"(\w+)\""),
         "Metrics": ("**/*[.]*", r"\"(penumbra_\w+)\"")}
-NOT_IN_TABLE = {"config", "print-config"}
+NOT_IN_TABLE = {"config", "print-config",
+                "penumbra_role"}  # a claim of tokens, no metric
 TABLE_NAME = re.compile(r"^\| `([\w-]+)` \|", re.M)
 LINK = re.compile(r"\[[^\]]*\]\(([^)#\s]+)(?:#[^)]*)?\)")
 
