@@ -1,0 +1,178 @@
+// penumbra_load: edits scenes of a server at a fixed rate, and says how soon it answered and whether
+// it kept everything. The load is open: commits are due at fixed times, however slow the answers
+// are, and times count from when a commit was due. Fails when the load was not reached.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client/session/remote_engine.h"
+#include "proto/convert/geometry_convert.h"
+#include "tests/load/echo_load.h"
+#include "tests/load/load_client.h"
+#include "tests/load/order_check.h"
+#include "tests/load/percentiles.h"
+#include "tests/support/shapes.h"
+
+namespace penumbra::load {
+namespace {
+
+struct Plan {
+  std::string server;
+  int clients = 200;
+  int scenes = 50;
+  int viewers = 64;  // of the first scene
+  double rate = 2'000;
+  double seconds = 120;
+};
+
+Instance BoxOf(int client) {
+  static const auto mesh = testing::MeshOf(testing::UnitBoxGeometry());
+  return {.id = absl::StrCat("box", client), .mesh = mesh};
+}
+
+int Fail(const std::string& text) {
+  std::fprintf(stderr, "penumbra_load: %s\n", text.c_str());
+  return EXIT_FAILURE;
+}
+
+std::string SceneOf(const Plan& plan, int client) {
+  if (client < plan.viewers) return "load0";
+  const int others = std::max(1, plan.scenes - 1);
+  return absl::StrCat("load", 1 + (client - plan.viewers) % others);
+}
+
+using Clients = std::vector<std::unique_ptr<LoadClient>>;
+
+// One after another, spread evenly over the time.
+void Drive(const Plan& plan, Clients& clients) {
+  const auto interval =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / plan.rate));
+  const auto count = static_cast<int64_t>(plan.rate * plan.seconds);
+  const auto start = Clock::now() + std::chrono::milliseconds(100);
+  for (int64_t i = 0; i < count; ++i) {
+    const auto due = start + i * interval;
+    std::this_thread::sleep_until(due);
+    clients[static_cast<size_t>(i) % clients.size()]->Commit(due);
+  }
+}
+
+struct Report {
+  std::vector<double> answer_ms;  // from due to answered
+  std::vector<double> late_ms;    // from due to sent
+};
+
+Report TimesOf(const Clients& clients) {
+  using Ms = std::chrono::duration<double, std::milli>;
+  Report report;
+  for (const auto& client : clients) {
+    for (const SentCommit& commit : client->commits()) {
+      report.late_ms.push_back(Ms(commit.sent - commit.due).count());
+      if (commit.revision > 0) report.answer_ms.push_back(Ms(commit.answered - commit.due).count());
+    }
+  }
+  return report;
+}
+
+absl::StatusOr<std::map<std::string, std::shared_ptr<const Scene>>> Prepare(const Plan& plan,
+                                                                            Engine& engine) {
+  std::map<std::string, std::shared_ptr<const Scene>> before;
+  for (int scene = 0; scene < plan.scenes; ++scene) {
+    const std::string id = absl::StrCat("load", scene);
+    engine.DeleteScene(id).IgnoreError();  // of an earlier load
+    if (auto status = engine.CreateScene(id); !status.ok()) return status;
+    SceneDelta delta;
+    delta.upsert_instances = {BoxOf(-1)};
+    if (auto revision = engine.Commit(id, delta); !revision.ok()) return revision.status();
+    auto snapshot = engine.Snapshot(id);
+    if (!snapshot.ok()) return snapshot.status();
+    before[id] = *snapshot;
+  }
+  return before;
+}
+
+// Whether every scene is what its commits make, and every client has been told so.
+bool Check(const std::map<std::string, std::shared_ptr<const Scene>>& before, Engine& engine,
+           const Clients& clients, Clock::time_point deadline) {
+  const auto infos = engine.ListScenes();
+  OrderFindings sum;
+  size_t behind = 0, broken = 0;
+  for (const SceneInfo& info : infos.ok() ? *infos : std::vector<SceneInfo>()) {
+    const auto scene = before.find(info.id);
+    if (scene == before.end()) continue;
+    std::vector<const SentCommit*> commits;
+    for (const auto& client : clients) {
+      if (client->scene_id() != info.id) continue;
+      for (const SentCommit& commit : client->commits()) commits.push_back(&commit);
+      const bool is_told = client->AwaitRevision(info.revision, deadline) &&
+                           client->told_hash() == ToProto(info.content_hash);
+      behind += !is_told;
+      broken += !client->status().ok();
+      if (!client->status().ok()) sum.errors.push_back(client->status().ToString());
+    }
+    const OrderFindings found =
+        CheckOrder(*scene->second, info.revision, ToProto(info.content_hash), commits);
+    sum.acknowledged += found.acknowledged;
+    sum.refused += found.refused;
+    sum.unanswered += found.unanswered;
+    sum.lost += found.lost;
+    sum.twice += found.twice;
+    sum.unknown += found.unknown;
+    sum.wrong_hash += found.wrong_hash;
+    sum.errors.insert(sum.errors.end(), found.errors.begin(), found.errors.end());
+  }
+  std::printf(
+      "acknowledged %zu\nrefused %zu\nunanswered %zu\nlost %zu\ntwice %zu\nunknown %zu\n"
+      "wrong_hash %zu\nbehind_after_2s %zu\nbroken_sessions %zu\n",
+      sum.acknowledged, sum.refused, sum.unanswered, sum.lost, sum.twice, sum.unknown,
+      sum.wrong_hash, behind, broken);
+  for (size_t i = 0; i < std::min<size_t>(5, sum.errors.size()); ++i) {
+    std::printf("error: %s\n", sum.errors[i].c_str());
+  }
+  return infos.ok() && sum.is_clean() && sum.refused + sum.unanswered + behind + broken == 0;
+}
+
+int Run(const Plan& plan) {
+  PrintPercentiles("echo", EchoLoad(plan.clients, plan.rate, std::min(20.0, plan.seconds)));
+  auto engine = RemoteEngine::Connect({.address = plan.server});
+  if (!engine.ok()) return Fail(std::string(engine.status().message()));
+  const auto before = Prepare(plan, **engine);
+  if (!before.ok()) return Fail(std::string(before.status().message()));
+  Clients clients;
+  for (int i = 0; i < plan.clients; ++i) {
+    clients.push_back(std::make_unique<LoadClient>(plan.server, SceneOf(plan, i), BoxOf(i)));
+    if (auto status = clients.back()->Open(); !status.ok()) return Fail(status.ToString());
+  }
+  Drive(plan, clients);
+  const auto deadline = Clock::now() + std::chrono::seconds(2);
+  for (const auto& client : clients) client->AwaitAnswers(deadline);
+  const bool is_right = Check(*before, **engine, clients, deadline);
+  const Report report = TimesOf(clients);
+  PrintPercentiles("answer", report.answer_ms);
+  PrintPercentiles("sent_late", report.late_ms);
+  if (Percentile(report.late_ms, 0.99) > 10.0) return Fail("the load was not reached");
+  return is_right ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+}  // namespace
+}  // namespace penumbra::load
+
+int main(int argc, char** argv) {
+  CLI::App app{"Edits scenes of a server at a fixed rate, and checks that all of it is kept."};
+  penumbra::load::Plan plan;
+  app.add_option("--server", plan.server, "The server")->required();
+  app.add_option("--clients", plan.clients, "Sessions")->check(CLI::Range(1, 1'000));
+  app.add_option("--scenes", plan.scenes, "Scenes")->check(CLI::Range(1, 250));
+  app.add_option("--viewers", plan.viewers, "Sessions of the first scene")
+      ->check(CLI::Range(0, 1'000));
+  app.add_option("--rate", plan.rate, "Commits a second, of all together")
+      ->check(CLI::Range(1.0, 100'000.0));
+  app.add_option("--seconds", plan.seconds, "For how long")->check(CLI::Range(1.0, 3'600.0));
+  CLI11_PARSE(app, argc, argv);
+  return penumbra::load::Run(plan);
+}
