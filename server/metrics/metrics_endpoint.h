@@ -3,8 +3,8 @@
 //   auto endpoint = MetricsEndpoint::Open("127.0.0.1:9464", collector);
 //
 // On loopback only, since it asks nobody who they are. Two threads of its own answer, so that slow
-// scrapers take nothing from clients. Closing it takes up to 2 s, after which civetweb looks up from
-// its socket.
+// scrapers take nothing from clients. Closing it takes up to 2 s: civetweb looks up from its socket
+// no more often.
 #pragma once
 
 #include <memory>
