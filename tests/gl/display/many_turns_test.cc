@@ -27,6 +27,15 @@ AreaLight Bulb(int l) {
                               .intensity = Vec3(1e-2f)}};
 }
 
+// A card of one triangle, larger than the picture: where two meet a pixel shows a point beside its
+// centre.
+Instance Wall() {
+  MeshGeometry triangle;
+  triangle.positions = {{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}};
+  triangle.indices = {0, 1, 2};
+  return {.id = "card", .mesh = *Mesh::Create(std::move(triangle)), .color = Vec3(1)};
+}
+
 // Leans so that every point of the card sees a part of it above its horizon.
 AreaLight Disk(int l) {
   return {.id = LightId(l),
@@ -64,7 +73,7 @@ class ManyTurnsTest : public ThinRendererTest {
 
   // The card in side × side cells, each a receiver of one texel, by `candidates` artifacts.
   void ExpectCells(int side, size_t candidates) {
-    SceneDelta delta{.upsert_instances = {Card("card", Vec3(1))}};
+    SceneDelta delta{.upsert_instances = {Wall()}};
     for (int l = 0; l < kLights; ++l) delta.upsert_lights.push_back(Bulb(l));
     const float cell = 2.0f / side;
     for (int y = 0; y < side; ++y) {
@@ -104,14 +113,14 @@ TEST_F(ManyTurnsTest, A19AHundredThousandCandidates) { ExpectCells(10, 100'000);
 
 // 96 sides each, of which the horizon cuts some.
 TEST_F(ManyTurnsTest, A19SidesOfAThousandDisks) {
-  SceneDelta delta{.upsert_instances = {Card("card", Vec3(1))}};
+  SceneDelta delta{.upsert_instances = {Wall()}};
   for (int l = 0; l < kLights; ++l) delta.upsert_lights.push_back(Disk(l));
   ExpectSums(*SceneOf(delta), {}, 6, [](int, int, int) { return 1.0; });
 }
 
 // What is in front of others stays there, and what glows glows once.
 TEST_F(ManyTurnsTest, SurfacesAtTheSamePlaceAndGlowsAreLitOnce) {
-  SceneDelta few{.upsert_instances = {Card("behind", Vec3(0.5f)), Card("same place", Vec3(1)),
+  SceneDelta few{.upsert_instances = {Card("behind", Vec3(0.5f)), Card("same-place", Vec3(1)),
                                       Card("front", Vec3(1), 0.5f, 0.4f)},
                  .upsert_lights = {{.id = "lamp",
                                     .shape = RectangleLight{.corner = {0.5f, 0.5f, 1},
