@@ -137,7 +137,11 @@ TEST_F(ManyTurnsTest, SurfacesAtTheSamePlaceAndGlowsAreLitOnce) {
   RenderOptions options = kSquare;
   options.clip_radiance = 5;
   const Picture expected = Render(few, options), found = Render(many, options);
-  EXPECT_EQ(found.pixels, expected.pixels);
+  ASSERT_EQ(found.pixels.size(), expected.pixels.size());
+  // Sums are rounded one range later.
+  for (size_t i = 0; i < found.pixels.size(); ++i) {
+    EXPECT_LE(glm::length(found.pixels[i] - expected.pixels[i]), 1e-5f) << i;
+  }
 }
 
 TEST(LightRangesTest, AreAllLightsOnceAndNoLongerThanTheyMayBe) {
