@@ -9,7 +9,7 @@ namespace {
 // ends. Of a light that nothing is known of all are passed once.
 constexpr uint32_t kTurnsOfLight = 64;
 // Fit and the five rings of texels of Coverage.
-constexpr uint32_t kTurnsOfCandidate = 7;
+constexpr uint32_t kTurnsOfCandidate = 56;
 // The four nearest texels of a face, whose loop goes on to its layers.
 constexpr uint32_t kTexels = 4;
 // Of both layers' texels, three times over them.

@@ -33,6 +33,7 @@ class Losses {
     const bool is_due = jobs_done_ > 0 && dice_.Below(12) == 0;
     if (!is_due || count_ == most_) return gl::Fault::kNone;
     ++count_;
+    jobs_done_ = 0;  // it is lost once
     return gl::Fault::kLost;
   }
 
