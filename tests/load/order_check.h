@@ -1,4 +1,4 @@
-// Whether what a server acknowledged is what one scene that is edited in the server's order comes to.
+// Whether what a server acknowledged is what one scene, edited in the server's order, comes to.
 #pragma once
 
 #include <memory>
@@ -23,8 +23,8 @@ struct OrderFindings {
   bool is_clean() const { return lost + twice + unknown + wrong_hash == 0; }
 };
 
-// `before` is the scene before the load, `head` the revision and hash that the server has at the end,
-// `commits` all of the scene's.
+// `before` is the scene before the load, `head` the revision and hash that the server has at the
+// end, `commits` all of the scene's.
 OrderFindings CheckOrder(const Scene& before, Revision head, const std::string& head_hash,
                          const std::vector<const SentCommit*>& commits);
 
