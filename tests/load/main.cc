@@ -1,6 +1,6 @@
 // penumbra_load: edits scenes of a server at a fixed rate, and says how soon it answered and
-// whether it kept everything. The load is open: commits are due at fixed times, however slow the answers
-// are, and times count from when a commit was due. Fails when the load was not reached.
+// whether it kept everything. The load is open: commits are due at fixed times, however slow the
+// answers are, and times count from when a commit was due. Fails when the load was not reached.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -32,6 +32,7 @@ const std::map<std::string, std::string> kExpected = {
     {"ListScenes", "UUUU ooo ooo oo"},
     {"DeleteScene", "UUUU DDD ooN oN"},
     {"GetServerInfo", "UUUU ooo ooo oo"},
+    {"GetServerStatus", "UUUU DDD DDD oo"},
     {"ListTechniques", "UUUU ooo ooo oo"},
     {"FindMissingBlobs", "UUUU DDD ooo oo"},
     {"UploadBlob", "UUUU DDD ooo oo"},
@@ -44,6 +45,8 @@ const std::map<std::string, std::string> kExpected = {
     {"Session.acknowledgement", "UUUU ooN ooN oN"},
     {"Session.view_report", "UUUU ooN ooN oN"},
     {"Session.subscribe_each", "UUUU ooN ooN oN"},
+    {"Session.presence", "UUUU ooN ooN oN"},
+    {"Session.edit_control", "UUUU DDN ooN oN"},
 };
 
 char LetterOf(const absl::Status& status) {
