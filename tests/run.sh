@@ -3,6 +3,7 @@
 #
 #   tests/run.sh               # every test
 #   tests/run.sh --quick       # under five minutes: without the tests marked long
+#   tests/run.sh --reliability # kills and load, some minutes each
 #   tests/run.sh --sanitizers  # every test, and the tests of each program once more under the address,
 #                              # undefined-behaviour and thread sanitizers
 #
@@ -15,9 +16,10 @@ mode=all
 case "${1-}" in
   '') ;;
   --quick) mode=quick ;;
+  --reliability) mode=reliability ;;
   --sanitizers) mode=sanitizers ;;
-  -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  *) echo "run.sh: found '$1', need --quick, --sanitizers or nothing" >&2; exit 2 ;;
+  -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  *) echo "run.sh: found '$1', need --quick, --reliability, --sanitizers or nothing" >&2; exit 2 ;;
 esac
 
 deploy/install_packages.sh build run test
@@ -31,9 +33,12 @@ case "$mode" in
   quick)
     step "running the tests that are not long"
     exec ctest --test-dir build/ci -LE 'long' --no-tests=error --output-on-failure -j "$(nproc)" ;;
+  reliability)
+    step "running the reliability tests"
+    exec ctest --test-dir build/ci -L reliability --no-tests=error --verbose ;;
   all)
     step "running all tests"
-    exec ctest --test-dir build/ci --no-tests=error --output-on-failure -j "$(nproc)" ;;
+    exec ctest --test-dir build/ci -LE reliability --no-tests=error --output-on-failure -j "$(nproc)" ;;
 esac
 
 for preset in asan tsan; do

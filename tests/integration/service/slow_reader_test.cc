@@ -58,5 +58,48 @@ TEST_F(StudioTest, AClientThatStopsReadingSkipsAndThenGetsTheLast) {
   EXPECT_LT(slow->update_messages() - unread, last / 2) << "it skips, it does not catch up";
 }
 
+class StalledTest : public StudioTest {
+ protected:
+  StalledTest() { options_.limits.max_stall_seconds = 2; }
+};
+
+TEST_F(StalledTest, C13AClientThatTakesNothingIsLetGoAndToldWhy) {
+  ArtifactSpec spec = FloorSpec();
+  std::get<SoftTextureParams>(spec.params).radiance = true;  // updates of 400 KB
+  session_->Commit(StudioDelta(256));
+  WireClient slow_client(server_->address());
+  auto slow = slow_client.OpenSession("studio");
+  ASSERT_EQ(slow->Subscribe(1, spec, 1'000'000), absl::OkStatus());
+  ASSERT_EQ(session_->Subscribe(1, spec, 1'000'000), absl::OkStatus());
+  EXPECT_EQ(client_->ServerInfo().statistics().open_sessions(), 2u);
+  Revision last = 0;
+  for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
+    last = CommitFor(std::chrono::seconds(1), 10, *session_);
+    if (client_->ServerInfo().statistics().open_sessions() == 1) break;
+  }
+  EXPECT_EQ(client_->ServerInfo().statistics().open_sessions(), 1u);
+  const absl::Status end = slow->End();
+  EXPECT_EQ(end.code(), absl::StatusCode::kResourceExhausted) << end;
+  EXPECT_NE(end.message().find("resume"), absl::string_view::npos) << end;
+  EXPECT_EQ(session_->Commit(MoveBox({1, 1, 1})).revision(), last + 1) << "others go on";
+}
+
+TEST_F(StudioTest, C13WhoMissesUpdatesIsToldHowMany) {
+  ASSERT_EQ(session_->Subscribe(1, FloorSpec(), 1), absl::OkStatus());  // credit for one
+  session_->AwaitUpdate(1, FinalAt(1));  // which gives more, one at a time
+  auto slow = client_->OpenSession("studio");
+  ASSERT_EQ(slow->Subscribe(7, FloorSpec(), 1), absl::OkStatus());
+  slow->ReadUntil(v1::SessionResponse::kArtifactUpdate);
+  for (int i = 0; i < 20; ++i) {
+    const Revision revision = session_->Commit(MoveBox({0.01f * i, 1, 0})).revision();
+    session_->AwaitUpdate(1, FinalAt(revision));
+  }
+  slow->GrantCredit(7, 1);
+  const auto skipped = slow->ReadUntil(v1::SessionResponse::kUpdatesSkipped);
+  ASSERT_TRUE(skipped);
+  EXPECT_EQ(skipped->updates_skipped().subscription_id(), 7u);
+  EXPECT_GE(skipped->updates_skipped().total(), 15u);
+}
+
 }  // namespace
 }  // namespace penumbra::testing
