@@ -28,7 +28,7 @@ absl::Status CheckAddress(const std::string& address) {
                                  "', need a loopback address and port such as 127.0.0.1:9464"));
 }
 
-absl::Status CannotListen(const std::string& address, const std::string& why) {
+absl::Status CannotServe(const std::string& address, const std::string& why) {
   return FieldError(absl::StatusCode::kUnavailable, "CANNOT_LISTEN", kField,
                     absl::StrCat("found ", address, ": ", why, ", need an address to listen on"));
 }
@@ -47,7 +47,7 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::Open(
   if (auto status = CheckAddress(address); !status.ok()) return status;
   const std::string numeric = Numeric(address);
   if (auto status = TryListening(numeric); !status.ok()) {
-    return CannotListen(address, "in use or not this machine's");
+    return CannotServe(address, "in use or not this machine's");
   }
   std::unique_ptr<MetricsEndpoint> endpoint(new MetricsEndpoint());
   endpoint->metrics_ = std::move(metrics);
@@ -56,10 +56,10 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::Open(
         "listening_ports", numeric, "num_threads", "2", "request_timeout_ms", kRequestTimeoutMs});
     endpoint->exposer_->RegisterCollectable(endpoint->metrics_);
   } catch (const std::exception& error) {
-    return CannotListen(address, error.what());
+    return CannotServe(address, error.what());
   }
   const auto ports = endpoint->exposer_->GetListeningPorts();
-  if (ports.empty()) return CannotListen(address, "no port");
+  if (ports.empty()) return CannotServe(address, "no port");
   endpoint->address_ = absl::StrCat(numeric.substr(0, numeric.rfind(':') + 1), ports.front());
   return endpoint;
 }

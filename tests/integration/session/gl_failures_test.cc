@@ -36,7 +36,8 @@ int HealthOf(const std::string& address, const std::string& service) {
   const std::unique_ptr<grpc::ClientReaderWriter<Bytes, Bytes>> call(
       grpc::internal::ClientReaderWriterFactory<Bytes, Bytes>::Create(channel.get(), method,
                                                                       &context));
-  const grpc::Slice request("\x0a" + std::string(1, static_cast<char>(service.size())) + service);
+  const char field[] = {'\x0a', static_cast<char>(service.size())};
+  const grpc::Slice request(std::string(field, sizeof(field)).append(service));
   call->Write(Bytes(&request, 1));
   call->WritesDone();
   Bytes answer;

@@ -94,8 +94,10 @@ TEST(CutTextTest, CutsBetweenCharacters) {
   EXPECT_EQ(CutText(std::string(257, 'a'), 256), std::string(253, 'a') + "…");
   std::string euros;
   for (int i = 0; i < 100; ++i) euros += "€";
-  EXPECT_EQ(CutText("a" + euros, 256), "a" + euros.substr(0, 84 * 3) + "…");
-  EXPECT_EQ(CutText("ab" + euros, 256), "ab" + euros.substr(0, 83 * 3) + "…");
+  EXPECT_EQ(CutText(std::string("a").append(euros), 256),
+            std::string("a").append(euros, 0, 84 * 3).append("…"));
+  EXPECT_EQ(CutText(std::string("ab").append(euros), 256),
+            std::string("ab").append(euros, 0, 83 * 3).append("…"));
   std::string clefs;
   for (int i = 0; i < 100; ++i) clefs += "\xf0\x9d\x84\x9e";
   EXPECT_EQ(CutText(clefs, 256), clefs.substr(0, 63 * 4) + "…");
