@@ -61,7 +61,7 @@ struct ServerLimits {
   uint32_t max_client_name_bytes = 256;
   // What others are told of a user: names for people, and what is selected.
   uint32_t max_display_name_bytes = 256;
-  uint32_t max_selected_ids = 256;
+  uint32_t max_selected_ids = 64;
   // A client that has not taken a message for so long is let go; it can resume.
   uint32_t max_stall_seconds = 30;
   // Of one scene, on their way to the disk.

@@ -87,17 +87,22 @@ absl::StatusOr<Revision> EditHistory::Turn(std::deque<Edit>& from, std::deque<Ed
     return FieldError(absl::StatusCode::kFailedPrecondition, nothing, "history",
                       "found no edit, need one");
   }
-  const Edit edit = std::move(from.back());
-  from.pop_back();
+  const Edit edit = from.back();
   SceneDelta back = Difference(*edit.after, *edit.before);
   for (int tries = 0;; ++tries) {
     const auto now = engine_.Snapshot(scene_id_);
     if (!now.ok()) return now.status();
-    if (auto status = CheckUnedited(*edit.after, **now, back); !status.ok()) return status;
+    if (auto status = CheckUnedited(*edit.after, **now, back); !status.ok()) {
+      from.pop_back();
+      return status;
+    }
     back.base_revision = (*now)->revision();
     const auto revision = engine_.Commit(scene_id_, back);
     if (ErrorReason(revision.status()) == "STALE_BASE" && tries < kMaxTries) continue;
-    if (revision.ok()) to.push_back({edit.after, edit.before});
+    if (revision.ok()) {
+      from.pop_back();
+      to.push_back({edit.after, edit.before});
+    }
     return revision;
   }
 }

@@ -64,15 +64,22 @@ bool MirroredScene::ApplyNext(bool own_only) {
     event = std::move(events_.front());
     events_.pop_front();
   }
-  status_ = std::visit([this](const auto& e) { return Apply(e); }, event);
+  last_try_ = std::visit([this](const auto& e) { return Apply(e); }, event);
+  if (absl::IsUnavailable(last_try_) && !stop_.stop_requested()) {
+    // Meshes are fetched from a server that is away.
+    std::lock_guard lock(mutex_);
+    events_.push_front(std::move(event));
+    return false;
+  }
+  status_ = last_try_;
   return true;
 }
 
 void MirroredScene::CatchUp() {
   for (;;) {
-    Newest().IgnoreError();
+    const bool is_stuck = absl::IsUnavailable(Newest().status());
     std::lock_guard lock(mutex_);
-    if (!events_.empty()) continue;
+    if (!events_.empty() && !is_stuck) continue;
     is_catching_up_ = false;
     return;
   }
@@ -89,6 +96,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> MirroredScene::Newest() {
   while (ApplyNext(/*own_only=*/false)) {
   }
   if (!status_.ok()) return status_;
+  if (absl::IsUnavailable(last_try_)) return last_try_;
   return Applied();
 }
 

@@ -79,8 +79,9 @@ class MirroredScene {
   BlobTransfer& blobs_;
   std::stop_source stop_;
 
-  std::mutex applying_;  // held while events are applied; guards `status_`
+  std::mutex applying_;  // held while events are applied; guards the next two
   absl::Status status_;
+  absl::Status last_try_;  // kUnavailable: the oldest event waits for the server to be back
 
   mutable std::mutex mutex_;  // guards the rest
   std::deque<Event> events_;

@@ -63,7 +63,7 @@ absl::StatusOr<std::shared_ptr<SceneSession>> SceneSession::Open(ServerConnectio
 }
 
 absl::Status SceneSession::Greet() {
-  OpenLink();
+  write_link_ = OpenLink();
   turns_.Start();
 
   std::unique_lock lock(mutex_);
@@ -96,6 +96,12 @@ bool SceneSession::Send(const v1::SessionRequest& request, bool more_follows,
   grpc::WriteOptions options;
   if (more_follows) options.set_buffer_hint();
   return write_link_->stream->Write(request, options);
+}
+
+void SceneSession::SendOnce(Answer& answer) {
+  std::lock_guard lock(write_mutex_);
+  if (has_ended_ || std::exchange(answer.link, write_link_->number) == write_link_->number) return;
+  write_link_->stream->Write(answer.request);
 }
 
 void SceneSession::SendConsumed(uint64_t subscription_id, const Consumed& consumed) {
@@ -140,6 +146,9 @@ absl::Status SceneSession::Upload(const SceneDelta& delta, const Scene& known) {
     const absl::Status status = connection_.blobs().UploadMissing(delta, known);
     if (!absl::IsUnavailable(status)) return status;
     std::unique_lock lock(mutex_);
+    // The stream may be about to find out too.
+    constexpr std::chrono::seconds kStreamsVerdict{1};
+    changed_.wait_for(lock, kStreamsVerdict, [this] { return !is_connected_ || has_ended_; });
     if (is_connected_ || has_ended_) return status;
     changed_.wait(lock, [this] { return is_connected_ || has_ended_; });
   }
@@ -166,7 +175,7 @@ absl::StatusOr<Revision> SceneSession::TryCommit(const SceneDelta& delta) {
     answer->request = request;
     commits_[next_id_++] = answer;
   }
-  Send(request);
+  SendOnce(*answer);
   status = Await(commits_, request.commit().commit_id(), answer);
   if (!status.ok()) return status;
   // The next commit then knows which meshes this one has brought. What others brought may have to
@@ -206,13 +215,14 @@ absl::StatusOr<std::unique_ptr<Subscription>> SceneSession::Subscribe(
     subscriber = std::make_shared<RemoteSubscriber>(id, std::move(callback),
                                                     connection_.blobs().scene_limits(),
                                                     mirror_.pushed_revision(), NowMs());
+    answer->request = request;
     subscribers_[id] = {subscriber, spec};
     subscribes_[id] = answer;
-    if (link_) subscriber->Restart(link_->number);
+    subscriber->Restart(link_->number);
   }
   // From here on leaving ends it.
   auto subscription = std::make_unique<RemoteSubscription>(shared_from_this(), subscriber);
-  Send(request);
+  SendOnce(*answer);
   if (absl::Status status = Await(subscribes_, subscriber->id(), answer); !status.ok()) {
     return status;
   }
@@ -257,7 +267,7 @@ absl::StatusOr<std::vector<EachSubscription>> SceneSession::SubscribeEach(
     answer->request = message;
     subscribes_[each.first_subscription_id()] = answer;
   }
-  Send(message);
+  SendOnce(*answer);
   const absl::Status status = Await(subscribes_, each.first_subscription_id(), answer);
   // From here on leaving ends those that were made.
   std::vector<EachSubscription> subscriptions;

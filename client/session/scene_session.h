@@ -51,25 +51,23 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   void Join();
 
  private:
-  using Stream = grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>;
   struct Link {           // one connection's share of the session
     uint64_t number = 0;  // counts up
     grpc::ClientContext context{};
-    std::unique_ptr<Stream> stream{};
+    std::unique_ptr<grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>> stream{};
   };
-  // A subscription that goes on on the next link.
-  struct Followed {
+  struct Followed {  // a subscription, which goes on on the next link
     std::shared_ptr<RemoteSubscriber> subscriber;
     ArtifactSpec spec;
   };
 
-  // What a caller waits for. `delta` is a commit's, for the mirror.
-  struct Answer {
+  struct Answer {  // what a caller waits for
     bool is_here = false;
     v1::SessionRequest request;  // to be sent again on another link
+    uint64_t link = 0;           // that it was last sent on; guarded by write_mutex_
     absl::Status status;
     Revision revision = 0;
-    SceneDelta delta;
+    SceneDelta delta;  // a commit's, for the mirror
     // Of a SubscribeEach: what the subscriptions are made from, and those made.
     TechniqueParams params;
     std::optional<PointReceiver> points;
@@ -91,6 +89,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   // False: it is not on its way. On one link only, if any.
   bool Send(const v1::SessionRequest& request, bool more_follows = false,
             std::optional<uint64_t> link = std::nullopt);
+  void SendOnce(Answer& answer);  // on a link, however many ask
   void SendConsumed(uint64_t subscription_id, const Consumed& consumed);
   absl::Status Await(Answers& answers, uint64_t id, const std::shared_ptr<Answer>& answer);
 
@@ -98,7 +97,8 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   bool MayResume(const absl::Status& reason) const;
   bool Reconnect(const absl::Status& lost);
   absl::Status Resume(const std::shared_ptr<Link>& link);
-  void SendAgain(Link& link);
+  bool ReadWelcome(const std::shared_ptr<Link>& link);
+  void SendAgain(const std::shared_ptr<Link>& link);
   bool WaitToTryAgain(double seconds);
   void Tell(ConnectionEvent::Kind kind, const absl::Status& reason, int attempts,
             bool missed_nothing = false) const;
@@ -114,7 +114,7 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   void Receive(const v1::ArtifactUpdate& update);
   void Receive(const v1::SessionError& error);
   void MakeSubscribers(const v1::SubscribeEachResult& result, Answer& answer);
-  void DropEach(const v1::SubscribeEachResult& result);
+  void DropEach(uint64_t first, uint64_t count);
   void EndAll(const absl::Status& ended);
   void PostDelivery(std::shared_ptr<RemoteSubscriber> subscriber);
   std::shared_ptr<RemoteSubscriber> FindSubscriber(uint64_t id);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <random>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -56,8 +57,6 @@ std::shared_ptr<SceneSession::Link> SceneSession::OpenLink() {
     hello.mutable_resume()->set_revision(point->revision);
     hello.mutable_resume()->set_content_hash(point->content_hash);
   }
-  // Nobody else writes before the hello.
-  std::lock_guard writing(write_mutex_);
   {
     std::lock_guard lock(mutex_);
     link->number = link_ ? link_->number + 1 : 1;
@@ -65,7 +64,6 @@ std::shared_ptr<SceneSession::Link> SceneSession::OpenLink() {
     link_ = link;
   }
   link->stream->Write(request);
-  write_link_ = link;
   return link;
 }
 
@@ -80,6 +78,7 @@ bool SceneSession::Reconnect(const absl::Status& lost) {
   {
     std::lock_guard lock(mutex_);
     is_connected_ = false;
+    changed_.notify_all();
   }
   Tell(ConnectionEvent::Kind::kLost, lost, 0);
   const double give_up_ms = NowMs() + 1e3 * connection_.options().reconnect_for_s;
@@ -107,7 +106,7 @@ bool SceneSession::Reconnect(const absl::Status& lost) {
 }
 
 absl::Status SceneSession::Resume(const std::shared_ptr<Link>& link) {
-  if (!link->stream->Read(&response_) || !response_.has_welcome()) {
+  if (!ReadWelcome(link)) {
     link->context.TryCancel();
     return WithoutFieldPrefix(StatusOfEndedSession(address_, link->stream->Finish()), "hello.");
   }
@@ -119,39 +118,67 @@ absl::Status SceneSession::Resume(const std::shared_ptr<Link>& link) {
                                    "', which is another scene by now, need "
                                    "the one that was opened"));
   }
-  SendAgain(*link);
-  std::lock_guard lock(mutex_);
-  is_connected_ = true;
-  changed_.notify_all();
+  // Not on the reader's turn: the server may wait for us to read before it reads all of this.
+  turns_.Post([this, link] { SendAgain(link); });
+  turns_.Post([this] { mirror_.CatchUp(); });
   return absl::OkStatus();
 }
 
-// In the order of their ids, which is that in which they were asked for.
-void SceneSession::SendAgain(Link& link) {
+// A server that accepts and says nothing is none.
+bool SceneSession::ReadWelcome(const std::shared_ptr<Link>& link) {
+  std::mutex mutex;
+  std::condition_variable done;
+  bool is_here = false;
+  std::thread watch([&] {
+    const std::chrono::duration<double> timeout(connection_.options().connect_timeout_s);
+    std::unique_lock lock(mutex);
+    if (!done.wait_for(lock, timeout, [&] { return is_here; })) link->context.TryCancel();
+  });
+  const bool is_welcome = link->stream->Read(&response_) && response_.has_welcome();
+  {
+    std::lock_guard lock(mutex);
+    is_here = true;
+  }
+  done.notify_one();
+  watch.join();
+  return is_welcome;
+}
+
+// In the order of their ids, which is that in which they were asked for. Until it is done nobody
+// else sends anything on this link.
+void SceneSession::SendAgain(const std::shared_ptr<Link>& link) {
+  std::lock_guard writing(write_mutex_);
   std::map<uint64_t, v1::SessionRequest> requests;
-  std::vector<std::shared_ptr<RemoteSubscriber>> subscribers;
-  std::optional<View> view;
+  v1::SessionRequest report;
+  report.mutable_view_report();
   {
     std::lock_guard lock(mutex_);
+    if (link_ != link) return;  // there is another one by now
     for (const auto& [id, followed] : subscribers_) {
       v1::Subscribe& subscribe = *requests[id].mutable_subscribe();
       subscribe.set_subscription_id(id);
       *subscribe.mutable_spec() = ToProto(followed.spec);
       subscribe.set_initial_credit(kInitialCredit);
-      subscribers.push_back(followed.subscriber);
+      followed.subscriber->Restart(link->number);
     }
     for (const auto& [id, answer] : subscribes_) {
       if (answer->request.has_subscribe_each()) requests[id] = answer->request;
+      answer->link = link->number;
     }
-    for (const auto& [id, answer] : commits_) requests[id] = answer->request;
-    view = view_;
+    for (const auto& [id, answer] : commits_) {
+      requests[id] = answer->request;
+      answer->link = link->number;
+    }
+    if (view_) *report.mutable_view_report()->mutable_camera() = ToProto(*view_);
   }
-  for (const auto& subscriber : subscribers) subscriber->Restart(link.number);
-  for (const auto& [id, request] : requests) Send(request, /*more_follows=*/true, link.number);
-  v1::SessionRequest report;
-  report.mutable_view_report();
-  if (view) *report.mutable_view_report()->mutable_camera() = ToProto(*view);
-  Send(report, /*more_follows=*/false, link.number);
+  for (const auto& [id, request] : requests) {
+    link->stream->Write(request, grpc::WriteOptions().set_buffer_hint());
+  }
+  link->stream->Write(report);
+  write_link_ = link;
+  std::lock_guard lock(mutex_);
+  is_connected_ = link_ == link;
+  changed_.notify_all();
 }
 
 // False: the session is to end.

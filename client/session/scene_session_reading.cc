@@ -102,8 +102,12 @@ void SceneSession::Receive(const v1::SubscribeResult& result) {
   const auto found = subscribes_.find(result.subscription_id());
   if (found == subscribes_.end()) {
     // Asked for again on this link, which the subscription's owner knows nothing of.
+    const bool is_followed = subscribers_.contains(result.subscription_id());
     lock.unlock();
-    if (!result.has_error()) return;
+    if (!result.has_error()) {
+      if (!is_followed) DropEach(result.subscription_id(), 1);
+      return;
+    }
     v1::SubscriptionEnded ended;
     ended.set_subscription_id(result.subscription_id());
     *ended.mutable_error() = result.error();
@@ -120,7 +124,8 @@ void SceneSession::Receive(const v1::SubscribeEachResult& result) {
   const auto found = subscribes_.find(result.first_subscription_id());
   if (found == subscribes_.end()) {
     lock.unlock();
-    DropEach(result);
+    DropEach(result.first_subscription_id(), static_cast<uint64_t>(result.light_ids_size()) *
+                                                 static_cast<uint64_t>(result.receiver_ids_size()));
     return;
   }
   found->second->status = FromProto(result.error());
@@ -153,10 +158,7 @@ void SceneSession::MakeSubscribers(const v1::SubscribeEachResult& result, Answer
 }
 
 // Nobody waits for these any more. Not on the reader's turn, which must not wait to write.
-void SceneSession::DropEach(const v1::SubscribeEachResult& result) {
-  const uint64_t first = result.first_subscription_id();
-  const auto count = static_cast<uint64_t>(result.light_ids_size()) *
-                     static_cast<uint64_t>(result.receiver_ids_size());
+void SceneSession::DropEach(uint64_t first, uint64_t count) {
   turns_.Post([this, first, count] {
     v1::SessionRequest request;
     for (uint64_t id = first; id < first + count; ++id) {

@@ -35,6 +35,11 @@ int64_t UtcNowMs() {
       .count();
 }
 
+absl::Status SceneIsDeleted() {
+  return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
+                    "found a scene that was deleted, need a scene");
+}
+
 CommitOutcome AnswerOf(const CommitRecord& first) {
   return {.revision = first.revision, .content_hash = first.content_hash, .scene = nullptr};
 }
@@ -111,10 +116,7 @@ void SceneStore::Send(const std::shared_ptr<Entry>& entry, std::shared_ptr<Pendi
 }
 
 absl::StatusOr<CommitOutcome> SceneStore::Prepare(Entry& entry, Pending& pending) const {
-  if (entry.is_deleted) {
-    return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
-                      "found a scene that was deleted, need a scene");
-  }
+  if (entry.is_deleted) return SceneIsDeleted();
   if (entry.pending.size() >= limits_.max_pending_commits) {
     return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_PENDING", "commit",
                       absl::StrCat("found ", entry.pending.size(),
@@ -190,7 +192,9 @@ void SceneStore::Conclude(Entry& entry, const Batch& batch, const absl::Status& 
     if (!written.ok()) concluded.swap(entry.pending);
     for (const auto& pending : concluded) {
       const absl::StatusOr<CommitOutcome> outcome =
-          written.ok() ? Publish(entry, *pending) : absl::StatusOr<CommitOutcome>(written);
+          written.ok() && !entry.is_deleted
+              ? Publish(entry, *pending)
+              : absl::StatusOr<CommitOutcome>(entry.is_deleted ? SceneIsDeleted() : written);
       bool is_first = true;
       for (CommitCallback& done : pending->done) {
         answers.emplace_back(std::move(done), outcome);

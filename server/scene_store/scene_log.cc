@@ -7,12 +7,11 @@
 namespace penumbra {
 
 SceneLog::SceneLog(DataDirectory& directory, SceneLogOptions options,
-                   std::unique_ptr<SceneFile> file, uint64_t number)
+                   std::unique_ptr<SceneFile> file)
     : directory_(directory),
       options_(options),
       identity_(file->identity()),
-      file_(std::move(file)),
-      number_(number) {}
+      file_(std::move(file)) {}
 
 absl::Status SceneLog::Append(std::span<const CommitRecord> commits,
                               const std::function<SceneState()>& whole) {
@@ -33,13 +32,15 @@ void SceneLog::Abandon() {
 }
 
 absl::Status SceneLog::BeginAnew(const SceneState& whole) {
-  auto file = SceneFile::Create(directory_.ScenePath(identity_.scene_id, number_ + 1), identity_,
+  const auto number = directory_.NextNumber(identity_.scene_id);
+  if (!number.ok()) return number.status();
+  auto file = SceneFile::Create(directory_.ScenePath(identity_.scene_id, *number), identity_,
                                 options_.database, whole);
   if (!file.ok()) return file.status();
+  if (auto status = (*file)->Settle(); !status.ok()) return status;
   file_ = *std::move(file);
-  ++number_;
-  // The old one is passed over from here on, whether or not it can be removed.
-  directory_.RemoveScene(identity_.scene_id, number_ - 1).IgnoreError();
+  // The old ones are passed over from here on, whether or not they can be removed.
+  directory_.RemoveScene(identity_.scene_id, *number).IgnoreError();
   return absl::OkStatus();
 }
 
@@ -68,7 +69,7 @@ absl::Status SceneLog::Remove() {
   std::lock_guard lock(mutex_);
   is_removed_ = true;
   file_.reset();
-  return directory_.RemoveScene(identity_.scene_id, number_);
+  return directory_.RemoveScene(identity_.scene_id, 0);
 }
 
 absl::Status SceneLog::CheckFile() const {

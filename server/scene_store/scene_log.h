@@ -2,7 +2,7 @@
 // has failed.
 #pragma once
 
-#include <cstdint>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -17,14 +17,15 @@ namespace penumbra {
 struct SceneLogOptions {
   HistoryLimits history{};
   DatabaseOptions database{};
+  // How often blobs that nothing needs are looked for, and how long they have been unused then.
+  std::chrono::seconds house_interval{600};
 };
 
 // Any thread may use it; calls wait for one another, and for the disk.
 class SceneLog {
  public:
-  // `number` is the file's; see DataDirectory.
-  SceneLog(DataDirectory& directory, SceneLogOptions options, std::unique_ptr<SceneFile> file,
-           uint64_t number);
+  // `file` is settled.
+  SceneLog(DataDirectory& directory, SceneLogOptions options, std::unique_ptr<SceneFile> file);
 
   const SceneIdentity& identity() const { return identity_; }
 
@@ -56,7 +57,6 @@ class SceneLog {
 
   std::mutex mutex_;
   std::unique_ptr<SceneFile> file_;  // null: writing has failed, or it is removed
-  uint64_t number_;
   bool is_removed_ = false;
 };
 

@@ -47,6 +47,8 @@ absl::StatusOr<std::unique_ptr<SceneStorage>> SceneStorage::Open(const std::stri
   if (!directory.ok()) return directory.status();
   std::unique_ptr<SceneStorage> storage(new SceneStorage(*std::move(directory), options, logger));
   if (auto status = storage->ReadHeadsFile(); !status.ok()) return status;
+  // Which Restore is going to ask for: a folder that cannot be read is no folder without scenes.
+  if (auto files = storage->directory_->SceneFiles(); !files.ok()) return files.status();
   storage->heads_writer_ = std::thread([raw = storage.get()] { raw->WriteHeadsLater(); });
   return storage;
 }
@@ -134,11 +136,13 @@ RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t n
   if (!answers.ok()) return refuse(answers.status());
   auto scene = SceneOf(scene_id, *state, LoadedBlobs(blobs), limits);
   if (!scene.ok()) return refuse(scene.status());
+  // What has been read may be in the system's memory only; from here on others build on it.
+  if (auto status = (*file)->Settle(); !status.ok()) return refuse(status);
   // Older ones are what is left of a time when writing failed.
-  directory_->RemoveScene(scene_id, number - 1).IgnoreError();
+  directory_->RemoveScene(scene_id, number).IgnoreError();
   restored.scene = *std::move(scene);
   restored.answers = *std::move(answers);
-  restored.log = std::make_shared<SceneLog>(*directory_, options_, *std::move(file), number);
+  restored.log = std::make_shared<SceneLog>(*directory_, options_, *std::move(file));
   return restored;
 }
 
@@ -162,11 +166,14 @@ absl::Status SceneStorage::CheckAgainstHeads(const SceneFile& file) const {
 absl::StatusOr<std::shared_ptr<SceneLog>> SceneStorage::Create(const std::string& scene_id) {
   const SceneIdentity identity{
       .scene_id = scene_id, .incarnation = RandomBytes(16), .owner = directory_->identity()};
-  constexpr uint64_t kFirst = 1;
+  // Not that of a file that could not be removed.
+  const auto number = directory_->NextNumber(scene_id);
+  if (!number.ok()) return number.status();
   auto file =
-      SceneFile::Create(directory_->ScenePath(scene_id, kFirst), identity, options_.database);
+      SceneFile::Create(directory_->ScenePath(scene_id, *number), identity, options_.database);
   if (!file.ok()) return file.status();
-  auto log = std::make_shared<SceneLog>(*directory_, options_, *std::move(file), kFirst);
+  if (auto status = (*file)->Settle(); !status.ok()) return status;
+  auto log = std::make_shared<SceneLog>(*directory_, options_, *std::move(file));
   Note(*log, 0);
   if (auto status = WriteHeadsNow(); !status.ok()) {
     Remove(*log).IgnoreError();
@@ -181,22 +188,25 @@ absl::Status SceneStorage::Remove(SceneLog& log) {
     heads_.erase(log.identity().scene_id);
     are_heads_new_ = true;
   }
-  if (auto status = WriteHeadsNow(); !status.ok()) return status;
-  return log.Remove();
+  // On a full disk there is no room for the heads before the files have gone.
+  const absl::Status first = WriteHeadsNow();
+  if (auto status = log.Remove(); !status.ok()) return status;
+  return first.ok() ? first : WriteHeadsNow();
 }
 
 absl::Status SceneStorage::PutAside(const std::string& scene_id) {
-  const auto files = directory_->SceneFiles();
-  if (!files.ok()) return files.status();
-  if (const auto file = files->find(scene_id); file != files->end()) {
-    if (auto status = directory_->PutAside(scene_id, file->second); !status.ok()) return status;
-  }
+  if (auto status = directory_->PutAside(scene_id); !status.ok()) return status;
   {
     std::lock_guard lock(mutex_);
     heads_.erase(scene_id);
     are_heads_new_ = true;
   }
   return WriteHeadsNow();
+}
+
+void SceneStorage::KeepHouse(std::function<void()> housekeeping) {
+  std::lock_guard lock(mutex_);
+  housekeeping_ = std::move(housekeeping);
 }
 
 void SceneStorage::Note(const SceneLog& log, Revision revision) {
@@ -215,12 +225,22 @@ absl::Status SceneStorage::WriteHeadsNow() {
     heads = heads_;
     are_heads_new_ = false;
   }
-  return WriteHeads(directory_->heads_path(), heads);
+  const absl::Status status = WriteHeads(directory_->heads_path(), heads);
+  if (!status.ok()) {
+    std::lock_guard lock(mutex_);
+    are_heads_new_ = true;  // to be tried again
+  }
+  return status;
 }
 
 void SceneStorage::WriteHeadsLater() {
   std::unique_lock lock(mutex_);
+  auto kept_house = std::chrono::steady_clock::now();
   while (!noted_.wait_for(lock, kHeadsInterval, [this] { return is_ending_; })) {
+    if (housekeeping_ && std::chrono::steady_clock::now() - kept_house >= options_.house_interval) {
+      kept_house = std::chrono::steady_clock::now();
+      lane().Post(housekeeping_);
+    }
     if (!are_heads_new_) continue;
     lock.unlock();
     if (auto status = WriteHeadsNow(); !status.ok()) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -56,6 +57,9 @@ class SceneStorage {
   // Of a scene that cannot be served: its file is moved aside.
   absl::Status PutAside(const std::string& scene_id);
 
+  // What is done now and then, on a thread of the lane's, until Stop.
+  void KeepHouse(std::function<void()> housekeeping);
+
   // The scene has come so far. Written down within a second.
   void Note(const SceneLog& log, Revision revision);
 
@@ -80,6 +84,7 @@ class SceneStorage {
   KnownHeads heads_;
   bool are_heads_new_ = false;
   bool is_ending_ = false;
+  std::function<void()> housekeeping_;  // null: none
 
   WorkerPool workers_;
   std::thread heads_writer_;

@@ -19,6 +19,11 @@ absl::Status Deleted(const std::string& scene_id) {
                     absl::StrCat("found '", scene_id, "', which was deleted, need a scene"));
 }
 
+absl::Status Unknown(const std::string& scene_id) {
+  return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
+                    absl::StrCat("found '", scene_id, "', need the id of a scene"));
+}
+
 }  // namespace
 
 SceneStore::SceneStore(LocalEngine& engine, BlobStore& blobs, const ServerLimits& limits,
@@ -49,27 +54,36 @@ void SceneStore::Restore() {
     for (const CommitRecord& answer : restored.answers) Remember(*entry, answer);
     entries_[restored.scene_id] = std::move(entry);
   }
+  // Blobs that nobody has used since the last time.
+  storage_->KeepHouse([this] { CollectBlobs(limits_.unused_blob_lifetime).IgnoreError(); });
 }
 
+// Whoever creates or deletes a scene has its id to himself until that is done, on disk too.
 absl::StatusOr<SceneInfo> SceneStore::Create(const std::string& scene_id) {
   {
     std::lock_guard lock(mutex_);
-    if (refused_.contains(scene_id)) {
+    if (refused_.contains(scene_id) || changing_.contains(scene_id)) {
       return FieldError(absl::StatusCode::kAlreadyExists, "DUPLICATE_ID", "scene_id",
                         absl::StrCat("found '", scene_id,
-                                     "', whose file is damaged; delete it, or need another id"));
+                                     "', whose file is damaged or being "
+                                     "removed; delete it first, or need another id"));
     }
-    // From here on the id is taken.
     if (auto status = engine_.CreateScene(scene_id); !status.ok()) return status;
+    changing_.insert(scene_id);
   }
+  auto created = CreateReserved(scene_id);
+  if (!created.ok()) engine_.DeleteScene(scene_id).IgnoreError();
+  std::lock_guard lock(mutex_);
+  changing_.erase(scene_id);
+  return created;
+}
+
+absl::StatusOr<SceneInfo> SceneStore::CreateReserved(const std::string& scene_id) {
   std::shared_ptr<SceneLog> log;
   if (storage_) {
-    auto created = storage_->Create(scene_id);
-    if (!created.ok()) {
-      engine_.DeleteScene(scene_id).IgnoreError();
-      return created.status();
-    }
-    log = *std::move(created);
+    auto opened = storage_->Create(scene_id);
+    if (!opened.ok()) return opened.status();
+    log = *std::move(opened);
   }
   const auto scene = engine_.Snapshot(scene_id);
   if (!scene.ok()) return scene.status();
@@ -79,6 +93,18 @@ absl::StatusOr<SceneInfo> SceneStore::Create(const std::string& scene_id) {
 }
 
 absl::Status SceneStore::Delete(const std::string& scene_id) {
+  {
+    std::lock_guard lock(mutex_);
+    const bool is_there = entries_.contains(scene_id) || refused_.contains(scene_id);
+    if (!is_there || !changing_.insert(scene_id).second) return Unknown(scene_id);
+  }
+  const absl::Status status = DeleteReserved(scene_id);
+  std::lock_guard lock(mutex_);
+  changing_.erase(scene_id);
+  return status;
+}
+
+absl::Status SceneStore::DeleteReserved(const std::string& scene_id) {
   std::shared_ptr<Entry> entry;
   {
     std::lock_guard lock(mutex_);
@@ -104,10 +130,6 @@ absl::Status SceneStore::Delete(const std::string& scene_id) {
 }
 
 absl::Status SceneStore::DeleteRefused(const std::string& scene_id) {
-  {
-    std::lock_guard lock(mutex_);
-    if (!refused_.contains(scene_id)) return engine_.DeleteScene(scene_id);  // which has none
-  }
   if (auto status = storage_->PutAside(scene_id); !status.ok()) return status;
   std::lock_guard lock(mutex_);
   refused_.erase(scene_id);
@@ -124,6 +146,7 @@ absl::StatusOr<WatchedScene> SceneStore::Watch(const std::string& scene_id,
   const auto entry = Find(scene_id);
   if (!entry.ok()) return entry.status();
   std::lock_guard lock((*entry)->mutex);
+  if ((*entry)->is_deleted) return Deleted(scene_id);
   auto scene = engine_.Snapshot(scene_id);
   if (!scene.ok()) return scene.status();
   std::erase_if((*entry)->watchers, [](const auto& weak) { return weak.expired(); });
@@ -158,9 +181,7 @@ absl::StatusOr<std::shared_ptr<SceneStore::Entry>> SceneStore::Find(
                       absl::StrCat("found '", scene_id, "', whose file is damaged (",
                                    refused->second.message(), "), need a scene that is whole"));
   }
-  return FieldError(
-      absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
-      "found '" + scene_id.substr(0, limits_.scene.max_id_bytes) + "', need the id of a scene");
+  return Unknown(scene_id.substr(0, limits_.scene.max_id_bytes));
 }
 
 absl::Status SceneStore::CollectBlobs(std::chrono::seconds age) {

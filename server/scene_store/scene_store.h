@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,8 +38,7 @@ struct CommitRequest {
 
 struct WatchedScene {
   std::shared_ptr<const Scene> scene;
-  // 16 bytes, different for every scene ever made: an id may be given again after a deletion.
-  std::string incarnation;
+  std::string incarnation;  // 16 bytes, different for every scene ever made
 };
 
 struct CommitOutcome {
@@ -75,8 +75,7 @@ class SceneStore {
   absl::StatusOr<WatchedScene> Watch(const std::string& scene_id,
                                      std::weak_ptr<SceneWatcher> watcher);
 
-  // How the first commit with this key was answered; none where there has been none, or where it is
-  // on its way to the disk.
+  // How the first commit with this key was answered; none: there is none, or none on disk yet.
   // Errors  kNotFound; kInvalidArgument REQUEST_ID_REUSED, BAD_ID
   absl::StatusOr<std::optional<CommitOutcome>> FirstAnswer(const std::string& scene_id,
                                                            const std::string& idempotency_key,
@@ -122,6 +121,8 @@ class SceneStore {
   absl::StatusOr<std::shared_ptr<Entry>> Find(const std::string& scene_id) const;
   std::shared_ptr<Entry> MakeEntry(std::shared_ptr<const Scene> scene,
                                    std::shared_ptr<SceneLog> log);
+  absl::StatusOr<SceneInfo> CreateReserved(const std::string& scene_id);
+  absl::Status DeleteReserved(const std::string& scene_id);
   absl::Status DeleteRefused(const std::string& scene_id);
   // With the entry's mutex locked, as for the next five.
   Recalled Recall(const Entry& entry, const std::string& key, const ContentHash& fingerprint) const;
@@ -143,6 +144,7 @@ class SceneStore {
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Entry>> entries_;
   std::map<std::string, absl::Status> refused_;
+  std::set<std::string> changing_;  // ids of scenes that are being created or deleted
 };
 
 }  // namespace penumbra

@@ -25,27 +25,25 @@ std::string MethodOf() {
   return name.erase(name.size() - kSuffix.size());
 }
 
-// The answer of `answer(message, caller)`, an absl::StatusOr of the response, to those who may make
-// the call and, where the request names a scene, on that.
-template <typename Request, typename Answer>
-auto AnswerIfAllowed(grpc::CallbackServerContext& context, const ServiceParts& parts,
-                     const grpc::ByteBuffer& request, const Answer& answer)
-    -> decltype(answer(std::declval<const Request&>(), std::declval<const Caller&>())) {
+// Who makes the call, if they may, and on the scene that the request names where it names one.
+template <typename Request>
+absl::StatusOr<Caller> AdmitRequest(grpc::CallbackServerContext& context, const ServiceParts& parts,
+                                    const grpc::ByteBuffer& bytes, Request& message) {
   const std::string name = MethodOf<Request>();
-  const auto caller = parts.guard.Admit(context, name);
+  auto caller = parts.guard.Admit(context, name);
   if (!caller.ok()) return caller.status();
-  Request message;
-  if (auto status = ParseBounded(request, parts.sessions.limits, message); !status.ok()) {
+  if (auto status = ParseBounded(bytes, parts.sessions.limits, message); !status.ok()) {
     return status;
   }
   if constexpr (requires { message.scene_id(); }) {
     if (auto status = caller->Authorize(name, message.scene_id()); !status.ok()) return status;
   }
-  return answer(message, *caller);
+  return caller;
 }
 
-// Finishes the call with that. `answer` may wait for the disk where `lane` is one, on whose thread
-// it then runs; where there is none it must not take long.
+// Finishes the call with `answer(message, caller)`, an absl::StatusOr of the response. `answer` may
+// wait for the disk where `lane` is one, on whose thread it then runs; where there is none it must
+// not take long.
 template <typename Request, typename Answer>
 grpc::ServerUnaryReactor* AnswerUnaryOn(WorkerPool::Lane* lane, const ServiceParts& parts,
                                         grpc::CallbackServerContext* context,
@@ -54,8 +52,16 @@ grpc::ServerUnaryReactor* AnswerUnaryOn(WorkerPool::Lane* lane, const ServicePar
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   const auto record =
       std::make_shared<CallRecord>(parts.sessions.counters, parts.logger, MethodOf<Request>());
-  auto finish = [&parts, context, request, response, reactor, record, answer = std::move(answer)] {
-    const auto result = AnswerIfAllowed<Request>(*context, parts, *request, answer);
+  Request message;
+  const auto caller = AdmitRequest(*context, parts, *request, message);
+  if (!caller.ok()) {
+    record->End(caller.status());
+    reactor->Finish(ToGrpcStatus(caller.status()));
+    return reactor;
+  }
+  auto finish = [response, reactor, record, message = std::move(message), caller = *caller,
+                 answer = std::move(answer)] {
+    const auto result = answer(message, caller);
     if (result.ok()) *response = ToBytes(*result);
     record->End(result.status());
     reactor->Finish(ToGrpcStatus(result.status()));

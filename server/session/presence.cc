@@ -1,5 +1,6 @@
 #include "server/session/presence.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/escaping.h"
@@ -42,7 +43,10 @@ void PresenceRoom::Leave(const std::string& id) {
   left_[++version_] = id;
   // Whoever is so far behind is told everything anew.
   constexpr size_t kRemembered = 1'024;
-  if (left_.size() > kRemembered) left_.erase(left_.begin());
+  if (left_.size() > kRemembered) {
+    forgotten_ = left_.begin()->first;
+    left_.erase(left_.begin());
+  }
   if (editor_ == id) {
     editor_.clear();
     editor_version_ = version_;
@@ -102,7 +106,7 @@ absl::Status PresenceRoom::Control(const std::string& id, const v1::EditControl&
 
 absl::Status PresenceRoom::CheckMayEdit(const std::string& id) const {
   std::lock_guard lock(mutex_);
-  if (!has_one_editor_ || editor_ == id) return absl::OkStatus();
+  if (!has_one_editor_ || (!id.empty() && editor_ == id)) return absl::OkStatus();
   return FieldError(absl::StatusCode::kFailedPrecondition, "NOT_EDITOR", "commit",
                     editor_.empty()
                         ? "found a scene of one editor, need to take editing first"
@@ -112,15 +116,23 @@ absl::Status PresenceRoom::CheckMayEdit(const std::string& id) const {
 bool PresenceRoom::ChangesSince(uint64_t& told, const std::string& id,
                                 v1::PresenceUpdate& update) const {
   std::lock_guard lock(mutex_);
-  const bool is_everything = told == 0 || (!left_.empty() && told < left_.begin()->first - 1);
-  update.set_is_everything(is_everything);
+  const bool is_everything = told == 0 || told < forgotten_;
+  const uint64_t since = is_everything ? 0 : told;
+  std::vector<const Member*> changed;
   for (const auto& [member_id, member] : members_) {
-    if (member_id != id && (is_everything || member.version > told)) {
-      *update.add_participants() = member.participant;
-    }
+    if (member_id != id && member.version > since) changed.push_back(&member);
   }
+  std::sort(changed.begin(), changed.end(),
+            [](const Member* a, const Member* b) { return a->version < b->version; });
+  uint64_t until = version_;
+  if (changed.size() > kMostPerUpdate) {
+    changed.resize(kMostPerUpdate);
+    until = changed.back()->version;
+  }
+  update.set_is_everything(is_everything);
+  for (const Member* member : changed) *update.add_participants() = member->participant;
   if (!is_everything) {
-    for (auto left = left_.upper_bound(told); left != left_.end(); ++left) {
+    for (auto left = left_.upper_bound(told); left != left_.end() && left->first <= until; ++left) {
       update.add_left(left->second);
     }
   }
@@ -128,8 +140,13 @@ bool PresenceRoom::ChangesSince(uint64_t& told, const std::string& id,
   update.set_editor_id(editor_);
   const bool is_new = is_everything || editor_version_ > told || update.participants_size() > 0 ||
                       update.left_size() > 0;
-  told = version_;
+  told = until;
   return is_new;
+}
+
+bool PresenceRoom::HasMore(uint64_t told) const {
+  std::lock_guard lock(mutex_);
+  return told < version_;
 }
 
 void PresenceRoom::Changed() {

@@ -36,6 +36,9 @@ class PresenceRoom : public std::enable_shared_from_this<PresenceRoom> {
   // another 100,000 times a second.
   static constexpr std::chrono::milliseconds kInterval{50};
 
+  // 64 selected ids of 130 bytes, a name and a camera take 9 KB.
+  static constexpr size_t kMostPerUpdate = 64;
+
   explicit PresenceRoom(DelayLine& delay) : delay_(delay) {}
 
   // The newcomer's id: 128 random bits, in hexadecimal digits. Its listener is told of all that
@@ -51,9 +54,11 @@ class PresenceRoom : public std::enable_shared_from_this<PresenceRoom> {
   // Errors  kFailedPrecondition NOT_EDITOR: only one may edit, and that is another, or nobody yet
   absl::Status CheckMayEdit(const std::string& id) const;
 
-  // Writes what has changed since ChangesSince left `told` as it is; 0: everything. False: nothing
-  // has. Nobody is told of himself.
+  // Writes what has changed since ChangesSince left `told` as it is; 0: everything, of as many as
+  // fit into a message. False: nothing has. Nobody is told of himself.
   bool ChangesSince(uint64_t& told, const std::string& id, v1::PresenceUpdate& update) const;
+  // Whether there is more to tell than that.
+  bool HasMore(uint64_t told) const;
 
  private:
   struct Member {
@@ -68,6 +73,7 @@ class PresenceRoom : public std::enable_shared_from_this<PresenceRoom> {
   DelayLine& delay_;
   mutable std::mutex mutex_;
   uint64_t version_ = 1;
+  uint64_t forgotten_ = 0;  // up to this version it is not known any more who left
   std::map<std::string, Member> members_;
   std::map<uint64_t, std::string> left_;  // by the version at which they left
   bool has_one_editor_ = false;

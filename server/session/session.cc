@@ -92,9 +92,10 @@ std::optional<v1::SessionResponse> Session::NextNews() {
     return response;
   }
   if (participant_id_.empty() || !std::exchange(has_presence_news_, false)) return std::nullopt;
-  if (!room_->ChangesSince(told_presence_, participant_id_, *response.mutable_presence_update())) {
-    return std::nullopt;
-  }
+  const bool is_new =
+      room_->ChangesSince(told_presence_, participant_id_, *response.mutable_presence_update());
+  has_presence_news_ = room_->HasMore(told_presence_);
+  if (!is_new) return std::nullopt;
   return response;
 }
 

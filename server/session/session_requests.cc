@@ -93,7 +93,6 @@ absl::Status Session::Dispatch(const v1::SessionRequest& request) {
 }
 
 void Session::Apply(const v1::Commit& commit, CommitCallback done) {
-  if (auto status = room_->CheckMayEdit(participant_id_); !status.ok()) return done(status);
   const std::string& key = commit.idempotency_key();
   ContentHash fingerprint;
   if (!key.empty()) {
@@ -103,6 +102,7 @@ void Session::Apply(const v1::Commit& commit, CommitCallback done) {
     if (!first.ok()) return done(first.status());
     if (*first) return done(**first);
   }
+  if (auto status = room_->CheckMayEdit(participant_id_); !status.ok()) return done(status);
   const BlobsInScope blobs(services_.blobs, services_.blob_access, caller_.identity());
   auto delta = FromProto(commit.delta(), blobs);
   if (!delta.ok()) return done(delta.status());

@@ -65,12 +65,13 @@ void SubscriptionFeed::BeginUpdate() {
 
 std::optional<uint64_t> SubscriptionFeed::TakeSkipped(std::chrono::steady_clock::time_point now) {
   constexpr std::chrono::seconds kInterval{1};
-  if (in_update() || all_skipped_ == told_skipped_ || now - told_at_ < kInterval) {
-    return std::nullopt;
-  }
-  told_skipped_ = all_skipped_;
+  if (in_update() || now - told_at_ < kInterval) return std::nullopt;
+  // Those that the update which is about to begin takes the place of are among them.
+  const uint64_t passed_over = sent_number_ == 0 ? 0 : stream_->Latest().number - sent_number_ - 1;
+  if (all_skipped_ + passed_over == told_skipped_) return std::nullopt;
+  told_skipped_ = all_skipped_ + passed_over;
   told_at_ = now;
-  return all_skipped_;
+  return told_skipped_;
 }
 
 SubscriptionFeed::Message SubscriptionFeed::NextMessage() {

@@ -28,7 +28,11 @@ std::string BlobFiles::PathOf(const ContentHash& hash) const {
 
 absl::Status BlobFiles::Write(const ContentHash& hash, const BlobContent& content) {
   std::error_code error;
-  if (fs::exists(PathOf(hash), error)) return absl::OkStatus();
+  if (fs::exists(PathOf(hash), error)) {
+    // A crash may have come between its name and the folders' being synced.
+    if (auto status = SyncFolder(FolderOf(hash)); !status.ok()) return status;
+    return SyncFolder(folder_);
+  }
   if (::mkdir(FolderOf(hash).c_str(), 0700) == 0) {
     if (auto status = SyncFolder(folder_); !status.ok()) return status;
   } else if (errno != EEXIST) {
@@ -66,14 +70,13 @@ absl::Status BlobFiles::PutAside(const ContentHash& hash) {
 absl::StatusOr<std::vector<ContentHash>> BlobFiles::List() {
   std::vector<ContentHash> hashes;
   std::error_code error;
-  for (const auto& folder : fs::directory_iterator(folder_, error)) {
-    if (!folder.is_directory(error)) continue;
-    for (const auto& file : fs::directory_iterator(folder.path(), error)) {
-      if (const auto hash = ContentHash::FromHex(file.path().filename().string())) {
-        hashes.push_back(*hash);
-      } else if (file.path().extension() == ".new") {
-        fs::remove(file.path(), error);
-      }
+  fs::recursive_directory_iterator file(folder_, error);
+  for (; !error && file != fs::recursive_directory_iterator(); file.increment(error)) {
+    if (const auto hash = ContentHash::FromHex(file->path().filename().string())) {
+      hashes.push_back(*hash);
+    } else if (file->path().extension() == ".new") {
+      std::error_code ignored;
+      fs::remove(file->path(), ignored);
     }
   }
   if (error) return FileError(folder_, error.value());

@@ -49,7 +49,7 @@ absl::Status CheckFolder(const std::string& path) {
   if (info.st_uid != ::geteuid()) {
     return Refused("DATA_DIR", path, "which another user owns", "a folder of this one");
   }
-  if (::access(path.c_str(), W_OK | X_OK) != 0) {
+  if (::access(path.c_str(), R_OK | W_OK | X_OK) != 0) {
     return Refused("DATA_DIR", path, absl::StrCat("where: ", std::strerror(errno)),
                    "a folder to write in");
   }
@@ -110,7 +110,7 @@ absl::Status DataDirectory::Prepare() {
   char name[32];
   char hex[33];
   int version = 0;
-  if (std::sscanf(format->c_str(), "%31s %d %32[0-9a-f]", name, &version, hex) < 2 ||
+  if (std::sscanf(format->c_str(), "%31s %d %32[0-9a-f]", name, &version, hex) < 3 ||
       std::string_view(name) != kFormatName) {
     return Refused("DATA_DIR_FOREIGN", path_, "whose FORMAT is none of ours", "a server's folder");
   }
@@ -137,47 +137,74 @@ std::string DataDirectory::ScenePath(const std::string& scene_id, uint64_t numbe
   return absl::StrCat(path_, "/scenes/", scene_id, "~", number, kSceneSuffix);
 }
 
-absl::StatusOr<std::map<std::string, uint64_t>> DataDirectory::SceneFiles() const {
-  std::map<std::string, uint64_t> files;
+absl::StatusOr<std::map<std::string, std::vector<uint64_t>>> DataDirectory::AllSceneFiles() const {
+  std::map<std::string, std::vector<uint64_t>> files;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(path_ + "/scenes", error)) {
-    const std::string name = entry.path().filename().string();
+  fs::directory_iterator entry(path_ + "/scenes", error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
     const size_t tilde = name.rfind('~');  // which no id has
     uint64_t number = 0;
     if (tilde == std::string::npos || !name.ends_with(kSceneSuffix) ||
         !absl::SimpleAtoi(name.substr(tilde + 1, name.size() - tilde - 4), &number)) {
       continue;
     }
-    uint64_t& newest = files[name.substr(0, tilde)];
-    newest = std::max(newest, number);
+    files[name.substr(0, tilde)].push_back(number);
   }
   if (error) return FileError(path_ + "/scenes", error.value());
+  for (auto& [scene_id, numbers] : files) std::sort(numbers.begin(), numbers.end());
   return files;
 }
 
-absl::Status DataDirectory::RemoveScene(const std::string& scene_id, uint64_t number) {
-  std::error_code error;
-  for (; number > 0; --number) {
-    const std::string path = ScenePath(scene_id, number);
-    if (!fs::exists(path, error)) break;
+absl::StatusOr<std::map<std::string, uint64_t>> DataDirectory::SceneFiles() const {
+  const auto all = AllSceneFiles();
+  if (!all.ok()) return all.status();
+  std::map<std::string, uint64_t> newest;
+  for (const auto& [scene_id, numbers] : *all) newest[scene_id] = numbers.back();
+  return newest;
+}
+
+absl::StatusOr<uint64_t> DataDirectory::NextNumber(const std::string& scene_id) const {
+  const auto newest = SceneFiles();
+  if (!newest.ok()) return newest.status();
+  const auto found = newest->find(scene_id);
+  return found == newest->end() ? 1 : found->second + 1;
+}
+
+absl::Status DataDirectory::RemoveScene(const std::string& scene_id, uint64_t kept) {
+  const auto all = AllSceneFiles();
+  if (!all.ok()) return all.status();
+  const auto found = all->find(scene_id);
+  if (found == all->end()) return absl::OkStatus();
+  for (const uint64_t number : found->second) {
+    if (number == kept) continue;
     for (const char* suffix : kFileSuffixes) {
-      if (auto status = RemoveDurably(path + suffix); !status.ok()) return status;
+      if (auto status = RemoveDurably(ScenePath(scene_id, number) + suffix); !status.ok()) {
+        return status;
+      }
     }
   }
   return absl::OkStatus();
 }
 
-absl::Status DataDirectory::PutAside(const std::string& scene_id, uint64_t number) {
+absl::Status DataDirectory::PutAside(const std::string& scene_id) {
+  const auto all = AllSceneFiles();
+  if (!all.ok()) return all.status();
+  const auto found = all->find(scene_id);
+  if (found == all->end()) return absl::OkStatus();
   const std::string folder = path_ + "/removed";
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return FileError(folder, errno);
   const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const std::string name =
+  const std::string stem =
       absl::StrCat(folder, "/", std::chrono::duration_cast<std::chrono::microseconds>(now).count(),
-                   "-", scene_id, kSceneSuffix);
-  for (const char* suffix : kFileSuffixes) {
-    const std::string file = ScenePath(scene_id, number) + suffix;
-    if (std::rename(file.c_str(), (name + suffix).c_str()) != 0 && errno != ENOENT) {
-      return FileError(file, errno);
+                   "-", scene_id, "~");
+  for (const uint64_t number : found->second) {
+    for (const char* suffix : kFileSuffixes) {
+      const std::string file = ScenePath(scene_id, number) + suffix;
+      const std::string aside = absl::StrCat(stem, number, kSceneSuffix, suffix);
+      if (std::rename(file.c_str(), aside.c_str()) != 0 && errno != ENOENT) {
+        return FileError(file, errno);
+      }
     }
   }
   if (auto status = SyncFolder(folder); !status.ok()) return status;

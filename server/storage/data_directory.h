@@ -12,6 +12,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
 
@@ -37,15 +38,18 @@ class DataDirectory {
   std::string ScenePath(const std::string& scene_id, uint64_t number) const;
   // The newest file of each scene that has one: its number, by the scene's id.
   absl::StatusOr<std::map<std::string, uint64_t>> SceneFiles() const;
-  // Removes the files of a scene up to this number.
-  absl::Status RemoveScene(const std::string& scene_id, uint64_t number);
-  // Moves a scene's file to `removed/`, under a name that tells when.
-  absl::Status PutAside(const std::string& scene_id, uint64_t number);
+  // Of the next file of a scene: one that none of its files has. 1 where there is none.
+  absl::StatusOr<uint64_t> NextNumber(const std::string& scene_id) const;
+  // Removes the files of a scene but the one of this number; 0: all of them.
+  absl::Status RemoveScene(const std::string& scene_id, uint64_t kept);
+  // Moves a scene's files to `removed/`, under names that tell when.
+  absl::Status PutAside(const std::string& scene_id);
 
  private:
   DataDirectory(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
   absl::Status Prepare();
   absl::Status MakeFolders() const;
+  absl::StatusOr<std::map<std::string, std::vector<uint64_t>>> AllSceneFiles() const;
 
   const std::string path_;
   const int lock_;

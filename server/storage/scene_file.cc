@@ -82,6 +82,8 @@ absl::StatusOr<std::unique_ptr<SceneFile>> SceneFile::Create(const std::string& 
     if (auto status = file.database_.Checkpoint(); !status.ok()) return status;
     file.database_.CheckpointOnClose(true);  // of an empty log, which is then removed
   }
+  // A log of an earlier file of this name is none of this one's.
+  if (auto status = RemoveDurably(path + "-wal"); !status.ok()) return status;
   std::error_code error;
   std::filesystem::rename(beside, path, error);
   if (error) return FileError(path, error.value());
@@ -122,7 +124,6 @@ absl::StatusOr<std::unique_ptr<SceneFile>> SceneFile::Open(const std::string& pa
   file->had_torn_tail_ = *log == WalState::kTornTail;
   if (auto status = file->Verify(); !status.ok()) return status;
   if (auto status = file->CountSinceSnapshot(); !status.ok()) return status;
-  file->database_.CheckpointOnClose(true);
   return file;
 }
 
@@ -219,7 +220,9 @@ absl::Status SceneFile::VerifyCommits() {
     return absl::OkStatus();
   });
   if (!status.ok()) return status;
-  if (last != head_.revision || (row_before && *row_before != head_.revision)) {
+  // Answers alone may end before a snapshot that is the head.
+  const bool ends_early = row_before && *row_before != head_.revision && *oldest != head_.revision;
+  if (last != head_.revision || ends_early) {
     return Damaged("another number of commits than it says");
   }
   if (chain_before && *chain_before != head_.chain) return Damaged("a head of another history");

@@ -64,6 +64,9 @@ class SceneFile {
   // Keeps `snapshot`, of the head, and forgets what is older than the limits ask for.
   absl::Status AppendSnapshot(const SnapshotRecord& snapshot, const HistoryLimits& limits);
   bool is_snapshot_due(const HistoryLimits& limits) const;
+  // Puts what was found in the file when it was opened on disk for sure: it may have been read from
+  // the system's memory. From here on the file is tidied up when it is closed.
+  absl::Status Settle();
   // Writes nothing any more, when it is closed either: after an error of the disk.
   void Abandon() { database_.CheckpointOnClose(false); }
 

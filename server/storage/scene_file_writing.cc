@@ -69,6 +69,12 @@ absl::Status SceneFile::Append(std::span<const CommitRecord> commits) {
   return absl::OkStatus();
 }
 
+absl::Status SceneFile::Settle() {
+  if (auto status = database_.Checkpoint(); !status.ok()) return status;
+  database_.CheckpointOnClose(true);
+  return absl::OkStatus();
+}
+
 bool SceneFile::is_snapshot_due(const HistoryLimits& limits) const {
   constexpr uint64_t kTimesItsSize = 4;
   return commits_since_ >= limits.commits ||

@@ -82,11 +82,16 @@ TEST(DataDirectoryTest, TheNewestFileOfAScene) {
     std::ofstream(data->ScenePath("a.b", number)) << number;
   }
   std::ofstream(data->ScenePath("c", 3) + ".new") << "half written";
-  EXPECT_EQ(data->SceneFiles().value(), (std::map<std::string, uint64_t>{{"a.b", 10}}));
-  ASSERT_EQ(data->PutAside("a.b", 10), absl::OkStatus());
-  EXPECT_EQ(data->SceneFiles().value(), (std::map<std::string, uint64_t>{{"a.b", 2}}));
+  std::ofstream(data->ScenePath("d", 1)) << 1;
+  EXPECT_EQ(data->SceneFiles().value(), (std::map<std::string, uint64_t>{{"a.b", 10}, {"d", 1}}));
+  EXPECT_EQ(data->NextNumber("a.b").value(), 11u);
+  EXPECT_EQ(data->NextNumber("c").value(), 1u);
   ASSERT_EQ(data->RemoveScene("a.b", 2), absl::OkStatus());
+  EXPECT_EQ(data->SceneFiles().value(), (std::map<std::string, uint64_t>{{"a.b", 2}, {"d", 1}}));
+  ASSERT_EQ(data->RemoveScene("a.b", 0), absl::OkStatus());
+  ASSERT_EQ(data->PutAside("d"), absl::OkStatus());
   EXPECT_TRUE(data->SceneFiles().value().empty());
+  EXPECT_FALSE(fs::is_empty(folder / "data/removed"));
 }
 
 TEST(HeadsFileTest, SaysWhatWasWrittenOrThatItIsDamaged) {

@@ -36,6 +36,7 @@ class SceneFileDamageTest : public ::testing::Test {
       }
     }
     crashed_ = {*ReadFileIfThere(path_), *ReadFileIfThere(path_ + "-wal")};
+    ASSERT_EQ(file->Settle(), absl::OkStatus());
     file.reset();
     closed_ = {*ReadFileIfThere(path_), ""};
     ASSERT_FALSE(crashed_.log.empty());

@@ -117,6 +117,25 @@ TEST_F(SceneFileTest, AFileMayBeginInTheMiddle) {
   EXPECT_EQ(file->Answers({}).value().size(), 3u) << "6, 12 and 15";
 }
 
+TEST_F(SceneFileTest, AFileMayBeginWithAnswersOlderThanItsSnapshot) {
+  const SceneState start{.snapshot = SnapshotAt(13), .answers = {CommitAt(6), CommitAt(12)}};
+  auto file = SceneFile::Create(path_, StudioIdentity(), {}, start).value();
+  EXPECT_EQ(file->head().revision, 13u);
+  ASSERT_EQ(file->Append(CommitsBetween(14, 14)), absl::OkStatus());
+  EXPECT_EQ(OpenACopy()->head().revision, 14u);
+}
+
+TEST_F(SceneFileTest, TheLogOfAnEarlierFileOfTheNameIsNotReplayed) {
+  {
+    const auto earlier = Create();
+    ASSERT_EQ(earlier->Append(CommitsBetween(1, 5)), absl::OkStatus());
+    earlier->Abandon();
+  }
+  ASSERT_FALSE(ReadFileIfThere(path_ + "-wal")->empty());
+  std::filesystem::remove(path_);
+  EXPECT_EQ(Create()->head().revision, 0u);
+}
+
 TEST_F(SceneFileTest, EveryBodyIsVisited) {
   const auto file = Create();
   ASSERT_EQ(file->Append(CommitsBetween(1, 5)), absl::OkStatus());
