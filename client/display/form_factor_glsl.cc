@@ -261,10 +261,6 @@ GpuLight Gpu(const DistantLight& light) {
 
 }  // namespace
 
-uint32_t TurnsOfFactor(const GpuLight& light) {
-  return light.emission.w == static_cast<float>(KindOf<DiskLight>()) ? kDiskSides + 1 : 0;
-}
-
 GpuLight ToGpu(const AreaLight& light) {
   return std::visit([](const auto& shape) { return Gpu(shape); }, light.shape);
 }

@@ -6,7 +6,6 @@
 // they are instead of as differences of corners, and small angles by series.
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 #include "render/math/vec.h"
@@ -23,9 +22,6 @@ struct GpuLight {
 };
 
 GpuLight ToGpu(const AreaLight& light);
-
-// Turns that loops in UnoccludedFactor make for it, at most.
-uint32_t TurnsOfFactor(const GpuLight& light);
 
 // GLSL that declares `struct Light` and
 //

@@ -61,7 +61,7 @@ void SurfacePainter::SetItem(gl::Context& context, const DrawItem& item, const G
   program.Set(context, "depth_scale", item.depth_scale);
   program.Set(context, "has_face_normals", mesh.has_face_normals ? 1 : 0);
   if (item.glows) {
-    program.Set(context, "radiance", pass.adds_ambient ? item.color : Vec3(0.0f));
+    program.Set(context, "radiance", item.color);
     program.Set(context, "two_sided", item.two_sided ? 1 : 0);
     return;
   }
@@ -73,7 +73,7 @@ void SurfacePainter::SetItem(gl::Context& context, const DrawItem& item, const G
   program.Set(context, "alpha_cutoff", item.alpha_cutoff);
   program.Set(context, "has_mask", item.alpha_mask != nullptr ? 1 : 0);
   program.Set(context, "receives", item.receives ? 1 : 0);
-  program.Set(context, "first_candidate", item.first_candidate + pass.skipped_candidates);
+  program.Set(context, "first_candidate", item.first_candidate);
   program.Set(context, "end_candidate", item.end_candidate);
 }
 

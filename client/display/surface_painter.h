@@ -34,9 +34,7 @@ struct SurfacePass {
   gl::Framebuffer& target;
   // Places in the order of lights (WordPool::Update); past the last.
   int first_light = 0, end_light = 0;
-  // Of an item's candidates, those of lights that are before these in the scene's order.
-  uint32_t skipped_candidates = 0;
-  bool adds_ambient = true;  // and what glows; without, that is black
+  bool adds_ambient = true;
   gl::DepthTest depth_test = gl::DepthTest::kNearer;
   gl::Combine combine = gl::Combine::kReplace;
   gl::Stencil stencil = gl::Stencil::kNone;

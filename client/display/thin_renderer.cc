@@ -6,16 +6,16 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "client/display/count_pool.h"
 #include "client/display/cover_sheet.h"
 #include "client/display/draw_list.h"
-#include "client/display/light_ranges.h"
 #include "client/display/picture_tile.h"
-#include "client/display/render_options_check.h"
 #include "client/display/surface_painter.h"
 #include "client/display/volume_shadows.h"
 #include "client/display/word_pool.h"
 #include "render/gl/framebuffer.h"
+#include "render/scene/field_error.h"
 
 namespace penumbra {
 namespace {
@@ -24,6 +24,34 @@ namespace {
 // bytes, and with a stencil 101 MB.
 constexpr int kTileSide = 1024;
 constexpr int kEdgeSamples = 4;
+constexpr int kMaxPictureSide = 16'384;
+constexpr int kMaxSamplesPerSide = 8;
+
+absl::Status CheckRange(const char* field, int found, int max) {
+  if (found >= 1 && found <= max) return absl::OkStatus();
+  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", field,
+                    absl::StrCat("found ", found, ", need 1 to ", max));
+}
+
+absl::Status CheckOptions(const RenderOptions& options) {
+  for (const auto& status :
+       {CheckRange("width", options.width, kMaxPictureSide),
+        CheckRange("height", options.height, kMaxPictureSide),
+        CheckRange("samples_per_side", options.samples_per_side, kMaxSamplesPerSide),
+        CheckRange("volume_look.passes", options.volume_look.passes, kMaxVolumePasses)}) {
+    if (!status.ok()) return status;
+  }
+  if (!IsFinite(options.ambient)) {
+    return FieldError(absl::StatusCode::kInvalidArgument, "NON_FINITE", "ambient",
+                      "need finite numbers");
+  }
+  const float opacity = options.volume_look.opacity;
+  if (!(opacity >= 0 && opacity <= 1)) {
+    return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "volume_look.opacity",
+                      absl::StrCat("found ", opacity, ", need 0 to 1"));
+  }
+  return absl::OkStatus();
+}
 
 template <typename T>
 absl::StatusOr<gl::Buffer> Upload(gl::Context& context, const std::vector<T>& values) {
@@ -51,7 +79,6 @@ class ThinRenderer::Impl {
     const DrawList& list;
     const RenderOptions& options;
     DMat4 clip_from_world;
-    std::vector<LightRange> ranges{};  // of the lights that are not added up one by one
     gl::Buffer lights{}, receivers{}, candidates{};
   };
 
@@ -61,14 +88,9 @@ class ThinRenderer::Impl {
   enum class Items { kAll, kSurfaces, kWithoutShadows };
   absl::Status DrawItems(gl::Context& context, const Frame& frame, const SurfacePass& pass,
                          Items which);
-  absl::Status DrawRanges(gl::Context& context, const Frame& frame, SurfacePass pass, Items which);
   absl::Status ShadeByVolumes(gl::Context& context, const Frame& frame, const DMat4& tile_from_clip,
                               size_t number);
-  absl::Status EnsureTarget(gl::Context& context, const Frame& frame, int side);
-  // Whether what is added up is cut once it is all there.
-  bool AddsUp(const Frame& frame) const {
-    return !volumes_.lights().empty() || frame.ranges.size() > 1;
-  }
+  absl::Status EnsureTarget(gl::Context& context, int side);
   size_t WithoutVolumes() const { return volumes_.order().size() - volumes_.lights().size(); }
 
   uint64_t context_serial_ = 0;
@@ -98,9 +120,9 @@ absl::Status ThinRenderer::Impl::Bind(gl::Context& context) {
 }
 
 // With a stencil, once something needs one.
-absl::Status ThinRenderer::Impl::EnsureTarget(gl::Context& context, const Frame& frame, int side) {
+absl::Status ThinRenderer::Impl::EnsureTarget(gl::Context& context, int side) {
   const int samples = std::min(kEdgeSamples, context.info().max_samples);
-  const bool has_stencil = AddsUp(frame);
+  const bool has_stencil = !volumes_.lights().empty();
   if (target_ && target_->options().width == side &&
       (target_->options().has_stencil || !has_stencil)) {
     return absl::OkStatus();
@@ -133,13 +155,12 @@ absl::Status ThinRenderer::Impl::Prepare(gl::Context& context, const Camera& cam
   frame.lights = *std::move(lights);
   frame.receivers = *std::move(receivers);
   frame.candidates = *std::move(candidates);
-  const bool adds = frame.options.volume_look.shading == VolumeShading::kAmbient;
-  frame.ranges = LightRanges(list, volumes_.order(), words_.turns(),
-                             adds ? WithoutVolumes() : list.lights.size());
+  // What is added up light by light is cut once it is all there.
+  const bool adds_up = !volumes_.lights().empty();
   painter_.SetFrame(context, camera,
                     {.ambient = frame.options.ambient,
-                     .clip_radiance = AddsUp(frame) ? std::numeric_limits<float>::infinity()
-                                                    : frame.options.clip_radiance,
+                     .clip_radiance = adds_up ? std::numeric_limits<float>::infinity()
+                                              : frame.options.clip_radiance,
                      .culls_back_faces = frame.options.culls_back_faces});
   return volumes_.Aim(context, frame.clip_from_world, frame.options.volume_look.passes);
 }
@@ -154,31 +175,10 @@ absl::Status ThinRenderer::Impl::DrawItems(gl::Context& context, const Frame& fr
     if (which == Items::kWithoutShadows && has_shadows) continue;
     if (IsOutside(pass.clip_from_world, item.bounds)) continue;
     SurfacePass own = pass;
-    own.skipped_candidates =
-        SkippedCandidates(frame.list, item, volumes_.order(), pass.first_light);
     if (which == Items::kSurfaces && !has_shadows) own.combine = gl::Combine::kAddColor;
     if (absl::Status status = painter_.Draw(context, item, own); !status.ok()) return status;
   }
   return absl::OkStatus();
-}
-
-// What the first lights show is lit by the others after that, each pixel once: whichever of two
-// surfaces at the same place came first.
-absl::Status ThinRenderer::Impl::DrawRanges(gl::Context& context, const Frame& frame,
-                                            SurfacePass pass, Items which) {
-  absl::Status status;
-  for (const LightRange& range : frame.ranges) {
-    pass.first_light = range.first;
-    pass.end_light = range.end;
-    if (status = DrawItems(context, frame, pass, which); !status.ok()) return status;
-    if (range.end == frame.ranges.back().end) break;
-    target_->ClearStencil(context, 0);
-    pass.adds_ambient = false;
-    pass.depth_test = gl::DepthTest::kEqual;
-    pass.combine = gl::Combine::kAddColor;
-    pass.stencil = gl::Stencil::kOnce;
-  }
-  return status;
 }
 
 // Alpha, which is 1 on all surfaces, is what part of the passes finds them lit, until it is 1
@@ -219,19 +219,22 @@ absl::Status ThinRenderer::Impl::RenderTile(gl::Context& context, const Frame& f
   const RenderOptions& options = frame.options;
   const DMat4 tile_from_clip = TileFromClip(tile, options.width, options.height);
   const bool adds = options.volume_look.shading == VolumeShading::kAmbient;
-  SurfacePass pass{.clip_from_world = tile_from_clip * frame.clip_from_world, .target = *target_};
+  SurfacePass pass{
+      .clip_from_world = tile_from_clip * frame.clip_from_world,
+      .target = *target_,
+      .end_light = static_cast<int>(adds ? WithoutVolumes() : frame.list.lights.size())};
   target_->Clear(context, Vec4(0));
-  absl::Status status = DrawRanges(context, frame, pass, Items::kAll);
+  absl::Status status = DrawItems(context, frame, pass, Items::kAll);
   for (size_t number = 0; number < volumes_.lights().size() && status.ok(); ++number) {
     status = ShadeByVolumes(context, frame, tile_from_clip, number);
   }
   if (status.ok() && !adds) {
     // What was darkened and should not have been.
     pass.depth_test = gl::DepthTest::kEqual;
-    status = DrawRanges(context, frame, pass, Items::kWithoutShadows);
+    status = DrawItems(context, frame, pass, Items::kWithoutShadows);
   }
   if (!status.ok()) return status;
-  if (AddsUp(frame)) {
+  if (!volumes_.lights().empty()) {
     const Vec4 most(Vec3(options.clip_radiance), 1);
     sheet_->Draw(context, *target_, most, {.combine = gl::Combine::kLess});
   }
@@ -251,7 +254,7 @@ absl::StatusOr<Picture> ThinRenderer::Impl::Render(
   if (absl::Status status = Prepare(context, camera, frame); !status.ok()) return status;
   const int n = options.samples_per_side;
   const int side = std::min(kTileSide / n, std::max(options.width, options.height));  // pixels
-  if (absl::Status status = EnsureTarget(context, frame, side * n); !status.ok()) return status;
+  if (absl::Status status = EnsureTarget(context, side * n); !status.ok()) return status;
 
   Picture picture = {.width = options.width, .height = options.height, .pixels = {}};
   picture.pixels.resize(static_cast<size_t>(options.width) * options.height);
@@ -284,7 +287,7 @@ absl::StatusOr<Picture> ThinRenderer::Render(
     gl::Context& context, const Scene& scene,
     std::span<const std::shared_ptr<const Artifact>> artifacts, const Camera& camera,
     const RenderOptions& options) {
-  if (absl::Status status = CheckRenderOptions(options); !status.ok()) return status;
+  if (absl::Status status = CheckOptions(options); !status.ok()) return status;
   if (absl::Status status = CheckCamera(camera); !status.ok()) return status;
   if (absl::Status status = impl_->Bind(context); !status.ok()) return status;
   return impl_->Render(context, scene, artifacts, camera, options);

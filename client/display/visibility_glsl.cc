@@ -64,12 +64,10 @@ int Coverage(Receiver receiver, vec2 uv) {
   ivec2 low = ivec2(floor(place - 0.5));
   if (IsInside(receiver, low) || IsInside(receiver, low + ivec2(1, 0)) || IsInside(receiver, low + ivec2(0, 1)) ||
       IsInside(receiver, low + ivec2(1, 1))) return 2;
-  // Each turn of a loop counts (light_ranges.h): no loop within this one.
   for (int reach = 1; reach <= 12; reach += 1 + reach / 2) {
-    if (IsInside(receiver, here + ivec2(-reach, -reach)) || IsInside(receiver, here + ivec2(0, -reach)) ||
-        IsInside(receiver, here + ivec2(reach, -reach)) || IsInside(receiver, here + ivec2(-reach, 0)) ||
-        IsInside(receiver, here + ivec2(reach, 0)) || IsInside(receiver, here + ivec2(-reach, reach)) ||
-        IsInside(receiver, here + ivec2(0, reach)) || IsInside(receiver, here + ivec2(reach, reach))) return 1;
+    for (int side = 0; side < 9; ++side) {
+      if (IsInside(receiver, here + reach * (ivec2(side % 3, side / 3) - 1))) return 1;
+    }
   }
   return 0;
 }

@@ -7,7 +7,6 @@
 #include <variant>
 
 #include "absl/strings/str_format.h"
-#include "client/display/light_ranges.h"
 #include "client/display/surface_glsl.h"
 
 namespace penumbra {
@@ -52,15 +51,12 @@ absl::Status WordPool::Update(gl::Context& context, const DrawList& list, const 
   if (shadows_.size() > 0 && now == uploaded_ && order == order_) return absl::OkStatus();
   ShadowWords words;
   std::vector<LightShadow> shadows(list.lights.size());
-  std::vector<uint32_t> turns(list.lights.size(), 0);
   for (size_t place = 0; place < order.size(); ++place) shadows[place].drawn_light = order[place];
   for (const auto& [light, artifact] : now) {
     if (const auto* ldi = std::get_if<AttenuationLdi>(&artifact->payload)) {
       words.Append(*ldi, shadows[light]);
-      turns[light] += TurnsOf(*ldi);
     } else if (const auto* map = std::get_if<ShadowWidthMap>(&artifact->payload)) {
       words.Append(*map, shadows[light]);
-      turns[light] += TurnsOf(*map);
     } else {
       words.Append(std::get<ViewShadow>(artifact->payload), shadows[light]);
     }
@@ -69,7 +65,6 @@ absl::Status WordPool::Update(gl::Context& context, const DrawList& list, const 
     return status;
   }
   order_ = order;
-  turns_ = std::move(turns);
   upload_count_ += static_cast<int64_t>(now.size());
   uploaded_ = std::move(now);
   return absl::OkStatus();

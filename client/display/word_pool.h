@@ -35,9 +35,6 @@ class WordPool {
   // As shadow_words_glsl.h wants it, at the bindings of surface_glsl.h.
   void Bind(gl::Context& context) const;
 
-  // Of each light, those of its artifacts (light_ranges.h).
-  const std::vector<uint32_t>& turns() const { return turns_; }
-
   int64_t upload_count() const { return upload_count_; }
   void Clear();
 
@@ -45,7 +42,7 @@ class WordPool {
   absl::Status Upload(gl::Context& context, ShadowWords words, std::vector<LightShadow> shadows);
 
   gl::Buffer shadows_, faces_, words_;
-  std::vector<uint32_t> order_, turns_;
+  std::vector<uint32_t> order_;
   Chosen uploaded_;  // held, so that their addresses stay their own
   int64_t upload_count_ = 0;
 };

@@ -41,7 +41,7 @@ TEST_F(LoopsTest, AsManyTurnsAsWeAllowOurselvesAreMade) {
   EXPECT_EQ(Turns(180, 180), 32'400u);
 }
 
-// Where this fails a driver counts otherwise, and light_ranges.h may be thought over.
+// Where this fails a driver counts otherwise.
 TEST_F(LoopsTest, OnLlvmpipeTheTurnsOfAllLoopsCountTogether) {
   if (context_->info().renderer.find("llvmpipe") == std::string::npos) GTEST_SKIP();
   EXPECT_LT(Turns(1, 65'536), 65'536u);
