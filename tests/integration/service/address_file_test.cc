@@ -91,6 +91,7 @@ TEST_F(AddressFileTest, OfADeadServerSendsNobodyThere) {
 TEST_F(AddressFileTest, ThatCannotBeWrittenIsAnErrorOnOneLine) {
   file_ = folder_ / "no-such-folder" / "address";
   Daemon daemon(Words());
+  EXPECT_THAT(daemon.ErrorLine(), ::testing::HasSubstr("started"));
   EXPECT_THAT(daemon.ErrorLine(), ::testing::HasSubstr("address-file: cannot write"));
   EXPECT_EQ(daemon.Wait(), EXIT_FAILURE);
 }
