@@ -18,7 +18,6 @@ constexpr char kSources[] =
 void AddServing(CLI::App& app, ServerOptions& server) {
   app.add_option("--listen", server.listen,
                  "Address: loopback, with TLS any; port 0 for a free one; or unix:PATH");
-  AddSecurityOptions(app, server.security);
   app.add_option("--threads", server.threads, "Threads that compute; 0: all cores")
       ->check(CLI::Range(0, 1024));
   app.add_option("--runners", server.runners,
@@ -58,6 +57,7 @@ void AddOperations(CLI::App& app, CommandLine& command) {
 void AddOptions(CLI::App& app, CommandLine& command) {
   app.option_defaults()->always_capture_default();
   AddServing(app, command.server);
+  AddSecurityOptions(app, command.server.security);
   AddOperations(app, command);
 }
 
