@@ -107,7 +107,6 @@ bool SceneSession::Reconnect(const absl::Status& lost) {
 
 absl::Status SceneSession::Resume(const std::shared_ptr<Link>& link) {
   if (!ReadWelcome(link)) {
-    link->context.TryCancel();
     return WithoutFieldPrefix(StatusOfEndedSession(address_, link->stream->Finish()), "hello.");
   }
   if (response_.welcome().incarnation() != incarnation_) {
@@ -135,6 +134,11 @@ bool SceneSession::ReadWelcome(const std::shared_ptr<Link>& link) {
     if (!done.wait_for(lock, timeout, [&] { return is_here; })) link->context.TryCancel();
   });
   const bool is_welcome = link->stream->Read(&response_) && response_.has_welcome();
+  // Of a stream that has ended by itself the status is wanted.
+  if (!is_welcome) {
+    while (link->stream->Read(&response_)) {
+    }
+  }
   {
     std::lock_guard lock(mutex);
     is_here = true;

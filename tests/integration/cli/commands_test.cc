@@ -269,7 +269,8 @@ TEST_F(CommandsTest, InfoSumsUpAServer) {
 
 TEST_F(CommandsTest, TopShowsScenesAndClientsWithTheirRates) {
   const std::string address = StartServer();
-  ASSERT_EQ(Run({"push", scene_, "--server", address, "--scene", "studio"}).exit_status, 0);
+  ASSERT_EQ(Run({"push", scene_, "--floor", "--server", address, "--scene", "studio"}).exit_status,
+            0);
   const pid_t watch = Start({"watch", "--server", address, "--scene", "studio"}, "watch");
   bool has_client = false;
   for (int i = 0; i < 400 && !has_client; ++i) {

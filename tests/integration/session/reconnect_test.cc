@@ -131,7 +131,7 @@ TEST_F(ReconnectTest, ADeletedSceneIsGivenUp) {
   server_.reset();
   std::filesystem::remove_all(folder_ / "data");
   StartOn(address);
-  EXPECT_TRUE(inbox.WaitForError(absl::StatusCode::kNotFound));
+  EXPECT_TRUE(inbox.WaitForError(absl::StatusCode::kNotFound)) << inbox.updates().back().status;
   EXPECT_EQ(events().back().kind, ConnectionEvent::Kind::kGivenUp);
 }
 
