@@ -26,7 +26,7 @@ struct Plan {
   std::string server;
   int clients = 200;
   int scenes = 50;
-  int viewers = 64;  // of the first scene
+  int viewers = 64;  // of the first scene, of whom one edits
   double rate = 2'000;
   double seconds = 120;
 };
@@ -49,8 +49,12 @@ std::string SceneOf(const Plan& plan, int client) {
 
 using Clients = std::vector<std::unique_ptr<LoadClient>>;
 
-// One after another, spread evenly over the time.
+// One editor after another, spread evenly over the time.
 void Drive(const Plan& plan, Clients& clients) {
+  std::vector<LoadClient*> editors;
+  for (int i = 0; i < plan.clients; ++i) {
+    if (i == 0 || i >= plan.viewers) editors.push_back(clients[static_cast<size_t>(i)].get());
+  }
   const auto interval =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / plan.rate));
   const auto count = static_cast<int64_t>(plan.rate * plan.seconds);
@@ -58,7 +62,7 @@ void Drive(const Plan& plan, Clients& clients) {
   for (int64_t i = 0; i < count; ++i) {
     const auto due = start + i * interval;
     std::this_thread::sleep_until(due);
-    clients[static_cast<size_t>(i) % clients.size()]->Commit(due);
+    editors[static_cast<size_t>(i) % editors.size()]->Commit(due);
   }
 }
 
