@@ -96,6 +96,9 @@ class SceneFile {
   absl::Status CountSinceSnapshot();
 
   Database database_;
+  // What every commit takes; none: not used yet.
+  std::optional<Statement> insert_commit_;
+  std::optional<Statement> update_head_;
   SceneIdentity identity_;
   SceneHead head_;
   bool had_torn_tail_ = false;

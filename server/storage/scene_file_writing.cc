@@ -8,8 +8,13 @@
 namespace penumbra {
 
 absl::Status SceneFile::WriteHead(const SceneHead& head) {
-  auto update = database_.Prepare("UPDATE scene SET head_revision = ?, head_chain = ?, seal = ?");
-  if (!update.ok()) return update.status();
+  if (!update_head_) {
+    auto prepared =
+        database_.Prepare("UPDATE scene SET head_revision = ?, head_chain = ?, seal = ?");
+    if (!prepared.ok()) return prepared.status();
+    update_head_ = *std::move(prepared);
+  }
+  Statement* const update = &*update_head_;
   const ContentHash seal = SealOf(identity_, head);
   update->Bind(1, head.revision);
   update->BindBlob(2, BytesOf(head.chain));
@@ -18,8 +23,12 @@ absl::Status SceneFile::WriteHead(const SceneHead& head) {
 }
 
 absl::Status SceneFile::Insert(const CommitRecord& commit, bool with_delta, SceneHead& head) {
-  auto insert = database_.Prepare("INSERT INTO commits VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  if (!insert.ok()) return insert.status();
+  if (!insert_commit_) {
+    auto prepared = database_.Prepare("INSERT INTO commits VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    if (!prepared.ok()) return prepared.status();
+    insert_commit_ = *std::move(prepared);
+  }
+  Statement* const insert = &*insert_commit_;
   const ContentHash delta_hash = HashOfBytes(commit.delta);
   const ContentHash chain = NextChain(head.chain, commit, delta_hash);
   insert->Bind(1, commit.revision);
