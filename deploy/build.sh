@@ -7,7 +7,7 @@ set -eu
 
 cd "$(dirname "$0")/.."
 
-[ $# -gt 0 ] || { echo "build: name a preset: release, dev, ci, asan or tsan" >&2; exit 1; }
+[ $# -gt 0 ] || { echo "build: name a preset: release, dev, ci, asan, tsan or fuzz" >&2; exit 1; }
 preset=$1
 shift
 

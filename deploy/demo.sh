@@ -55,7 +55,7 @@ mkdir -p "$out" 2>/dev/null && [ -w "$out" ] || fail "$out: found a folder that 
 step "server"
 # The address appears in this file once the server listens.
 address_file=$(mktemp "${TMPDIR:-/tmp}/penumbra-demo.XXXXXX")
-"$build_dir/server/penumbrad" --listen 127.0.0.1:0 --address-file "$address_file" \
+"$build_dir/server/penumbrad" --listen 127.0.0.1:0 --address-file "$address_file" --ephemeral \
   > "$out/server.log" 2>&1 &
 server=$!
 

@@ -3,6 +3,7 @@
 #
 #   deploy/install_packages.sh build run        # what deploy/demo.sh needs
 #   deploy/install_packages.sh build run test   # what tests/run.sh needs
+#   deploy/install_packages.sh build run fuzz   # what tests/run.sh --fuzz needs
 #
 # Runs apt-get as root or through sudo, and not at all when nothing is missing.
 set -eu
@@ -28,9 +29,10 @@ is_installed() {
   [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
 }
 
-[ $# -gt 0 ] || fail "name the sections of packages.txt to install: build, run, test"
+[ $# -gt 0 ] || fail "name the sections of packages.txt to install: build, run, test, fuzz"
 for section in "$@"; do
-  grep -qx "\[$section\]" "$list" || fail "found section '$section', need one of build, run, test"
+  grep -qx "\[$section\]" "$list" ||
+    fail "found section '$section', need one of build, run, test, fuzz"
 done
 command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
   fail "no apt-get here: Penumbra installs on Debian 12; elsewhere install the equivalents of $list"

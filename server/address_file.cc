@@ -45,7 +45,9 @@ absl::Status AddressFile::Write(const std::string& address) {
                       "cannot write " + path_ + ", need a writable file");
   };
   std::error_code error;
-  if (std::filesystem::exists(path_, error) && !IdentityOf(path_)) {
+  // A link that leads nowhere yet is there too.
+  const bool is_there = std::filesystem::exists(std::filesystem::symlink_status(path_, error));
+  if (is_there && !IdentityOf(path_)) {
     return WriteLine(path_, address) ? absl::OkStatus() : failed();
   }
   const std::string beside = path_ + "." + std::to_string(::getpid());

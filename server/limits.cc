@@ -28,6 +28,11 @@ v1::Limits ToProto(const ServerLimits& limits) {
   proto.set_max_selected_ids(limits.max_selected_ids);
   proto.set_max_stall_seconds(limits.max_stall_seconds);
   proto.set_max_pending_commits(limits.max_pending_commits);
+  proto.set_max_pending_commit_bytes(limits.max_pending_commit_bytes);
+  proto.set_max_all_pending_commit_bytes(limits.max_all_pending_commit_bytes);
+  proto.set_max_commit_delay_ms(limits.max_commit_delay_ms);
+  proto.set_max_history_bytes(limits.max_history_bytes);
+  proto.set_max_artifacts(limits.max_artifacts);
   return proto;
 }
 

@@ -8,6 +8,7 @@
 
 #include "penumbra/v1/server_info.pb.h"
 #include "render/scene/scene_limits.h"
+#include "server/archive_limits.h"
 
 namespace penumbra {
 
@@ -17,9 +18,10 @@ struct ServerLimits {
 
   // A scene of a few objects takes kilobytes, a full one 100 MB besides its blobs.
   uint32_t max_scenes = 256;
-  // Different ones (technique, parameters, light, receiver) that are followed on one scene. Each
-  // has at most one computation waiting, so this times max_scenes bounds the queue.
+  // Different ones (technique, parameters, light, receiver) that are followed on one scene, and on
+  // all of them. Each has at most one computation waiting, so these bound the queue.
   uint32_t max_artifacts_per_scene = 1'024;
+  uint32_t max_artifacts = 16'384;
   // What techniques keep of all artifacts together, to answer edits faster. Over it they keep less.
   uint64_t max_kept_bytes = uint64_t{256} << 20;
 
@@ -64,14 +66,27 @@ struct ServerLimits {
   uint32_t max_selected_ids = 64;
   // A client that has not taken a message for so long is let go; it can resume.
   uint32_t max_stall_seconds = 30;
-  // Of one scene, on their way to the disk.
+  // Of one scene, on their way to the disk: in number, and 32 of the largest messages.
   size_t max_pending_commits = 4'096;
+  uint64_t max_pending_commit_bytes = 32u << 20;
+  // Of all scenes. A principal has at most half of what the others leave of it: whoever comes next
+  // finds room.
+  uint64_t max_all_pending_commit_bytes = 128u << 20;
+  // While the oldest commit of a scene, or the scene that has waited longest for a writer, has
+  // waited longer than this for the disk, others are refused at once: they would wait even longer.
+  uint32_t max_commit_delay_ms = 250;
+  // What is kept of a scene's past besides its newest snapshot.
+  uint64_t max_history_bytes = uint64_t{256} << 20;
+
+  ArchiveLimits archives{};
 
   // Half a TLS handshake or HTTP/2 preface, then silence.
   std::chrono::milliseconds handshake_timeout{3'000};
   // A peer that vanished is found within their sum.
   std::chrono::milliseconds keepalive_interval{15'000};
   std::chrono::milliseconds keepalive_timeout{10'000};
+  // Clients may ask as often whether we are there; who asks more often is let go.
+  std::chrono::milliseconds least_ping_interval{5'000};
   // A connection without a call; a client's library opens it anew when it needs it.
   std::chrono::milliseconds connection_idle_timeout{120'000};
   // Request headers; ours take 300 bytes.

@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
+#include "server/data_folder.h"
+#include "server/quota/quota_options.h"
 #include "server/security/security_options.h"
 #include "server/security/token_command.h"
 #include "server/server_identity.h"
@@ -32,10 +34,25 @@ void AddServing(CLI::App& app, ServerOptions& server) {
                  "Bytes of GPU memory to use at most, with K, M or G; default: three quarters of "
                  "the device's, 1G in software")
       ->transform(CLI::AsSizeValue(false));
-  app.add_option("--data-dir", server.data_dir,
-                 "Folder to keep scenes in, which are there again when the server starts anew; "
-                 "default: none is kept");
   app.add_flag("--reflection", server.reflection, "Let clients ask for the service's description");
+}
+
+// Of what a studio looks at in a day: some hundred textures, and some thousand on disk.
+constexpr ResultOptions kResults{.memory_bytes = size_t{128} << 20,
+                                 .disk_bytes = uint64_t{1} << 30};
+
+void AddData(CLI::App& app, CommandLine& command) {
+  app.add_option("--data-dir", command.server.data_dir,
+                 "Folder to keep scenes in, which are there again when the server starts anew");
+  app.add_flag("--ephemeral", command.ephemeral,
+               "Keep scenes in memory alone: they end with the server");
+  app.add_option("--result-memory", command.server.results.memory_bytes,
+                 "Bytes of final artifacts to keep in memory, for whoever asks for the same again, "
+                 "with K, M or G; 0: none")
+      ->transform(CLI::AsSizeValue(false));
+  app.add_option("--result-disk", command.server.results.disk_bytes,
+                 "The same on disk, where scenes are kept there")
+      ->transform(CLI::AsSizeValue(false));
 }
 
 void AddOperations(CLI::App& app, CommandLine& command) {
@@ -57,7 +74,9 @@ void AddOperations(CLI::App& app, CommandLine& command) {
 void AddOptions(CLI::App& app, CommandLine& command) {
   app.option_defaults()->always_capture_default();
   AddServing(app, command.server);
+  AddData(app, command);
   AddSecurityOptions(app, command.server.security);
+  AddQuotaOptions(app, command.server.quotas);
   AddOperations(app, command);
 }
 
@@ -94,6 +113,8 @@ absl::StatusOr<CommandLine> ReadOptions(const std::vector<std::string>& argument
   CLI::App app{"Penumbra server: computes soft shadows for the scenes that clients stream to it.",
                "penumbrad"};
   CommandLine command;
+  command.server.results = kResults;
+  command.server.data_dir = DefaultDataFolder(environment);
   Ending ending;
   AddOptions(app, command);
   AddEnding(app, ending);
@@ -113,6 +134,10 @@ absl::StatusOr<CommandLine> ReadOptions(const std::vector<std::string>& argument
   }
   OptionSources sources(app);
   if (auto status = ReadSources(environment, ending.config, sources); !status.ok()) return status;
+  CLI::Option& data_dir = *app.get_option("--data-dir");
+  command.has_data_dir = data_dir.count() > 0 && !command.server.data_dir.empty();
+  // What is printed can be read again: both together are an error.
+  if (command.ephemeral && !command.has_data_dir) data_dir.default_str("");
   if (ending.prints_config) command.text = sources.Print();
   return command;
 }

@@ -18,7 +18,9 @@
 namespace penumbra {
 
 struct CommandLine {
-  ServerOptions server;
+  ServerOptions server;       // data_dir: also where nobody said one, see data_folder.h
+  bool has_data_dir = false;  // somebody did
+  bool ephemeral = false;
   std::string log_format = "text";  // see LogFormatOf
   std::string log_level = "info";   // see LogLevelOf
   int drain_seconds = 5;

@@ -8,33 +8,25 @@
 #include "grpcpp/server.h"
 #include "grpcpp/server_builder.h"
 #include "render/engine/local_engine.h"
-#include "render/engine/worker_pool.h"
-#include "render/gl/worker.h"
 #include "render/scene/field_error.h"
 #include "server/gl_health.h"
+#include "server/gl_worker.h"
 #include "server/listen_address.h"
 #include "server/metrics/job_notes.h"
 #include "server/metrics/metrics_collector.h"
 #include "server/metrics/metrics_endpoint.h"
+#include "server/results/result_origin.h"
+#include "server/results/stored_results.h"
 #include "server/security/blob_access.h"
 #include "server/security/listening_sockets.h"
 #include "server/security/server_security.h"
 #include "server/server_identity.h"
 #include "server/service/penumbra_service.h"
+#include "server/service/transfer_lanes.h"
 #include "server/transport.h"
 
 namespace penumbra {
 namespace {
-
-constexpr int kBlobWorkers = 1;  // a blob takes one core; uploads that come together take turns
-
-double SteadyNowMs() {
-  return std::chrono::duration<double, std::milli>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-using GlWorker = absl::StatusOr<std::unique_ptr<gl::Worker>>;
 
 // Between the health service's word and the end of sessions: who directs clients to servers hears
 // of it before they have to connect anew. A part of the drain.
@@ -45,76 +37,62 @@ constexpr std::chrono::milliseconds kLastWords{250};
 
 // The others outlive the engine.
 LocalEngineOptions EngineOptions(const ServerOptions& options, const GlWorker& gl_worker,
-                                 ServerCounters& counters) {
+                                 ServerCounters& counters, ComputeAccounts& accounts,
+                                 StoredResults* stored_results) {
   return {.cpu_threads = options.threads,
           .runner_threads = options.runners,
           .max_kept_bytes = options.limits.max_kept_bytes,
+          .results = {.max_bytes = options.results.memory_bytes, .store = stored_results},
           .scene_limits = options.limits.scene,
           .max_scenes = options.limits.max_scenes,
           .max_artifacts_per_scene = options.limits.max_artifacts_per_scene,
+          .max_artifacts = options.limits.max_artifacts,
           .now_ms = SteadyNowMs,
           .gl_worker = [&gl_worker]() -> absl::StatusOr<gl::Worker*> {
             if (!gl_worker.ok()) return gl_worker.status();
             return gl_worker->get();
           },
           .on_job = NoteJobs(counters, *options.logger),
+          .accounts = &accounts,
           .technique_for = options.technique_for};
-}
-
-GlWorker OpenGl(const ServerOptions& options, GlHealth& health) {
-  if (!options.opens_gl) return absl::UnavailableError("switched off");
-  auto worker = gl::Worker::Create(
-      {.context = {.device = options.egl_device,
-                   .max_memory_bytes = options.gpu_memory_bytes,
-                   .now_ms = SteadyNowMs,
-                   .inject_fault = options.inject_gl_fault},
-       .on_health_change = [&health](bool is_degraded) { health.Set(!is_degraded); }});
-  health.Set(worker.ok());
-  return worker;
-}
-
-absl::Status CheckGpu(const ServerOptions& options, const GlWorker& worker) {
-  if (!options.require_gpu) return absl::OkStatus();
-  if (worker.ok() && !(*worker)->info().is_software) return absl::OkStatus();
-  return FieldError(absl::StatusCode::kFailedPrecondition, "NO_GPU", "require-gpu",
-                    "found " +
-                        (worker.ok() ? (*worker)->info().renderer + ", which is software"
-                                     : std::string(worker.status().message())) +
-                        ", need a hardware device");
-}
-
-v1::GlInfo GlInfoOf(const GlWorker& worker) {
-  v1::GlInfo proto;
-  if (!worker.ok()) {
-    proto.set_error(std::string(worker.status().message()));
-    return proto;
-  }
-  proto.set_error((*worker)->health().reason());
-  const gl::ContextInfo info = (*worker)->info();
-  proto.set_device(info.device.name);
-  proto.set_vendor(info.vendor);
-  proto.set_renderer(info.renderer);
-  proto.set_version(info.version);
-  return proto;
 }
 
 absl::StatusOr<std::unique_ptr<SceneStorage>> OpenStorage(const ServerOptions& options) {
   if (options.data_dir.empty()) return nullptr;
-  return SceneStorage::Open(options.data_dir, options.storage, *options.logger);
+  SceneLogOptions storage = options.storage;
+  storage.history.bytes = options.limits.max_history_bytes;
+  return SceneStorage::Open(options.data_dir, storage, *options.logger);
+}
+
+// Null: there are none, or they cannot be had, which costs time and nothing else.
+std::unique_ptr<StoredResults> OpenResults(const ServerOptions& options,
+                                           const SceneStorage* storage, const GlWorker& gl_worker) {
+  if (storage == nullptr || options.results.disk_bytes == 0) return nullptr;
+  auto results = StoredResults::Open({.folder = storage->results_path(),
+                                      .max_bytes = options.results.disk_bytes,
+                                      .origin = ResultOrigin(GlInfoOf(gl_worker)),
+                                      .limits = options.limits.scene},
+                                     *options.logger);
+  if (results.ok()) return *std::move(results);
+  options.logger->Warning("results_not_stored",
+                          {{"error", std::string(results.status().message())}});
+  return nullptr;
 }
 
 }  // namespace
 
 // In the order in which they need one another; destroyed from below.
 struct PenumbraServer::Parts {
-  Parts(const ServerOptions& options, std::unique_ptr<ServerSecurity> guarding,
-        std::unique_ptr<SceneStorage> opened)
+  Parts(const ServerOptions& options, QuotaOptions quota_options,
+        std::unique_ptr<ServerSecurity> guarding, std::unique_ptr<SceneStorage> opened)
       : limits(options.limits),
         logger(*options.logger),
         security(std::move(guarding)),
+        quotas(std::move(quota_options)),
         storage(std::move(opened)),
         gl_worker(OpenGl(options, gl_health)),
-        engine(EngineOptions(options, gl_worker, counters)) {
+        stored_results(OpenResults(options, storage.get(), gl_worker)),
+        engine(EngineOptions(options, gl_worker, counters, quotas, stored_results.get())) {
     if (storage) blobs.KeepOn(storage->blob_files());
     scenes.Restore();
   }
@@ -126,20 +104,24 @@ struct PenumbraServer::Parts {
   const ServerLimits limits;
   Logger& logger;
   const std::unique_ptr<ServerSecurity> security;
+  PrincipalQuotas quotas;
   ServerCounters counters;
   SessionLedger ledger{counters, logger};
   StreamServices stream_services{counters};
   const std::unique_ptr<SceneStorage> storage;  // null: scenes live in memory
   GlHealth gl_health;
   const GlWorker gl_worker;
+  const std::unique_ptr<StoredResults> stored_results;  // null: none
   LocalEngine engine;
   BlobStore blobs{limits};
   BlobAccess blob_access{engine};
   SceneStore scenes{engine, blobs, limits, counters, storage.get()};
+  SceneArchives archives{scenes};
   StreamTable streams{engine, stream_services};
   PresenceTable presence;
-  SessionTable sessions{limits};
-  WorkerPool blob_workers{{kBlobWorkers}};
+  SceneUpdates updates{limits.max_message_bytes};
+  SessionTable sessions{limits, quotas};
+  TransferLanes transfers;
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   PenumbraService service{ServiceParts{.guard = security->guard(),
                                        .sessions = {.scenes = scenes,
@@ -147,15 +129,18 @@ struct PenumbraServer::Parts {
                                                     .blob_access = blob_access,
                                                     .streams = streams,
                                                     .presence = presence,
+                                                    .updates = updates,
+                                                    .quotas = quotas,
                                                     .limits = limits,
                                                     .counters = counters,
                                                     .ledger = ledger},
                                        .session_table = sessions,
                                        .engine = engine,
-                                       .blob_workers = blob_workers.lane(0),
+                                       .transfers = transfers,
                                        .gl_info = [this] { return GlInfoOf(gl_worker); },
                                        .started = started,
-                                       .logger = logger}};
+                                       .logger = logger,
+                                       .archives = archives}};
   std::string address;
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<MetricsEndpoint> metrics;
@@ -167,6 +152,8 @@ MetricsGauges PenumbraServer::Parts::Gauges() const {
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - started;
   const v1::GlInfo gl = GlInfoOf(gl_worker);
   MetricsGauges gauges{.engine = engine.statistics(),
+                       .results = engine.result_statistics(),
+                       .stored_result_bytes = stored_results ? stored_results->bytes() : 0,
                        .blobs = blobs.blob_count(),
                        .blob_bytes = blobs.blob_bytes(),
                        .uptime_seconds = uptime.count(),
@@ -192,9 +179,14 @@ absl::StatusOr<std::unique_ptr<PenumbraServer>> PenumbraServer::Start(
   if (!sockets.ok()) return sockets.status();
   auto security = ServerSecurity::Create(options.security);
   if (!security.ok()) return security.status();
+  const auto& identities = options.security.identities;
+  auto quotas = ToOptions(options.quotas,
+                          !identities.tokens_file.empty() || !identities.jwt_keys_file.empty());
+  if (!quotas.ok()) return quotas.status();
   auto storage = OpenStorage(options);
   if (!storage.ok()) return storage.status();
-  auto parts = std::make_unique<Parts>(options, *std::move(security), *std::move(storage));
+  auto parts = std::make_unique<Parts>(options, *std::move(quotas), *std::move(security),
+                                       *std::move(storage));
   if (auto status = CheckGpu(options, parts->gl_worker); !status.ok()) return status;
   if (auto status = parts->ServeMetrics(options); !status.ok()) return status;
   if (auto status = parts->Listen(options, *std::move(sockets)); !status.ok()) return status;
@@ -250,13 +242,15 @@ const std::string& PenumbraServer::metrics_address() const {
 
 void PenumbraServer::LogStart(const ServerOptions& options) const {
   const v1::GlInfo gl = GlInfoOf(parts_->gl_worker);
+  const std::string_view scenes_in =
+      parts_->storage ? options.data_dir : std::string_view("memory");
   const LogField fields[] = {
       {"server", kServerName},        {"address", address()},
       {"metrics", metrics_address()}, {"threads", parts_->engine.cpu_threads()},
       {"runners", options.runners},   {"degraded", is_degraded()},
       {"gl_vendor", gl.vendor()},     {"gl_renderer", gl.renderer()},
       {"gl_version", gl.version()},   {"gl_device", gl.device()},
-      {"gl_error", gl.error()}};
+      {"gl_error", gl.error()},       {"scenes_in", scenes_in}};
   const LogLevel level = is_degraded() ? LogLevel::kWarning : LogLevel::kInfo;
   parts_->logger.Write(level, "started", fields);
 }
@@ -264,8 +258,8 @@ void PenumbraServer::LogStart(const ServerOptions& options) const {
 // The order matters: nobody is sent here any more before those who are here have to leave.
 void PenumbraServer::Shutdown(std::chrono::milliseconds drain) {
   if (!parts_->server) return;
-  using std::chrono::system_clock;
-  const auto deadline = system_clock::now() + drain;
+  using std::chrono::steady_clock, std::chrono::system_clock;
+  const auto deadline = steady_clock::now() + drain;
   const absl::Status reason = FieldError(absl::StatusCode::kUnavailable, "SHUTTING_DOWN", "",
                                          "the server is shutting down");
   const auto tell = [this](const char* step) {
@@ -280,16 +274,19 @@ void PenumbraServer::Shutdown(std::chrono::milliseconds drain) {
   parts_->sessions.Close(reason);
   tell("sessions");
   parts_->sessions.EndAll(reason);
-  while (parts_->counters.open_calls > 0 && system_clock::now() < deadline) {
+  while (parts_->counters.open_calls > 0 && steady_clock::now() < deadline) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   tell("connections");
   parts_->accept_loop.reset();
-  parts_->server->Shutdown(std::min(deadline, system_clock::now() + kLastWords));
+  const auto left =
+      std::chrono::duration_cast<std::chrono::milliseconds>(deadline - steady_clock::now());
+  // gRPC turns what it is told by the wall clock into time of its own at once.
+  parts_->server->Shutdown(system_clock::now() + std::min(left, kLastWords));
   parts_->server->Wait();
   parts_->gl_health.Detach();
   parts_->server.reset();
-  parts_->blob_workers.Stop();
+  parts_->transfers.Stop();
   if (parts_->storage) parts_->storage->Stop();
 }
 

@@ -7,6 +7,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -17,10 +19,17 @@
 #include "render/technique/technique.h"
 #include "server/limits.h"
 #include "server/log/logger.h"
+#include "server/quota/quota_options.h"
 #include "server/scene_store/scene_log.h"
 #include "server/security/security_options.h"
 
 namespace penumbra {
+
+// Of final artifacts that were computed, to be found again (render/engine/result_cache.h).
+struct ResultOptions {
+  size_t memory_bytes = 0;  // 0: none
+  uint64_t disk_bytes = 0;  // where there is a data_dir; 0: none
+};
 
 struct ServerOptions {
   std::string listen = "127.0.0.1:7717";  // see listen_address.h
@@ -35,8 +44,10 @@ struct ServerOptions {
   std::string metrics_listen;  // see MetricsEndpoint; empty: no metrics are served
   std::string data_dir;        // where scenes are kept; empty: in memory only, gone with the server
   SceneLogOptions storage{};
+  ResultOptions results{};
   SecurityOptions security{};
   ServerLimits limits{};
+  QuotaSettings quotas{};
   Logger* logger = &QuietLogger();  // outlives the server
   // What computes a spec; tests put their own here. It must outlive the server.
   std::function<const Technique&(const TechniqueParams&)> technique_for = TechniqueFor;
@@ -46,8 +57,8 @@ class PenumbraServer {
  public:
   // Listens when it returns. Without an EGL device it starts, and says that it is degraded.
   //
-  // Errors  those of CheckSecurity, ServerSecurity::Create, listen_address.h, DataDirectory and
-  //         MetricsEndpoint::Open; kFailedPrecondition NO_GPU: options.require_gpu
+  // Errors  those of CheckSecurity, ServerSecurity::Create, ToOptions of quotas, listen_address.h,
+  //         DataDirectory and MetricsEndpoint::Open; kFailedPrecondition NO_GPU: require_gpu
   static absl::StatusOr<std::unique_ptr<PenumbraServer>> Start(const ServerOptions& options);
   ~PenumbraServer();  // Shutdown without a wait
 

@@ -4,6 +4,7 @@
 #   tests/run.sh               # every test
 #   tests/run.sh --quick       # under five minutes: without the tests marked long
 #   tests/run.sh --reliability # kills and load, some minutes each
+#   tests/run.sh --fuzz [SECONDS]  # every fuzz target with libFuzzer for so long, 60 by default
 #   tests/run.sh --sanitizers  # every test, and the tests of each program once more under the address,
 #                              # undefined-behaviour and thread sanitizers
 #
@@ -17,17 +18,30 @@ case "${1-}" in
   '') ;;
   --quick) mode=quick ;;
   --reliability) mode=reliability ;;
+  --fuzz) mode=fuzz ;;
   --sanitizers) mode=sanitizers ;;
-  -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  *) echo "run.sh: found '$1', need --quick, --reliability, --sanitizers or nothing" >&2; exit 2 ;;
+  -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  *) echo "run.sh: found '$1', need --quick, --reliability, --fuzz, --sanitizers or nothing" >&2
+     exit 2 ;;
 esac
-
-deploy/install_packages.sh build run test
 
 step() { printf '\n== %s\n' "$*"; }
 
+if [ "$mode" = fuzz ]; then
+  deploy/install_packages.sh build run fuzz
+  step "building (preset fuzz)"
+  deploy/build.sh fuzz fuzz_targets
+  step "fuzzing"
+  exec python3 tests/fuzz/fuzz_all.py build/fuzz/tests/fuzz "${2-60}"
+fi
+
+deploy/install_packages.sh build run test
+
 step "building (preset ci)"
 deploy/build.sh ci
+
+# Which rows of the catalogue of bad input have tests; the test lint.catalogue fails where one has none.
+python3 -B tests/lint/check_catalogue.py | tail -n 1
 
 case "$mode" in
   quick)

@@ -9,6 +9,7 @@
 #include "client/cli/bake_files.h"
 #include "client/cli/compute_shadow.h"
 #include "client/cli/fitting_options.h"
+#include "client/cli/json_text.h"
 #include "client/cli/open_engine.h"
 #include "client/cli/output_files.h"
 #include "client/cli/run_command.h"
@@ -172,12 +173,12 @@ absl::Status Run(const BakeCommand& command, const Console& console, std::stop_t
   const Json summary = {
       {"scene", request.scene.string()}, {"revision", *revision}, {"baked", *baked}};
   if (request.every_polygon) {
-    const absl::Status status = WriteText(command.out / "summary.json", summary.dump(2) + "\n");
+    const absl::Status status = WriteText(command.out / "summary.json", JsonText(summary) + "\n");
     if (!status.ok()) return status;
   }
   for (const std::string& note : plan->notes) console.Note(note);
   if (command.json) {
-    console.out << Json{{"revision", *revision}, {"baked", *baked}}.dump(2) << '\n';
+    console.out << JsonText(Json{{"revision", *revision}, {"baked", *baked}}) << '\n';
   } else {
     console.out << "wrote " << baked->size() << (baked->size() == 1 ? " shadow" : " shadows")
                 << " to " << command.out.string() << '\n';

@@ -167,7 +167,7 @@ void Grammar::AddThreads(CLI::App* app, EngineChoice& engine) {
 
 void Grammar::AddSceneId(CLI::App* app, std::string& scene_id, const char* help) {
   Add(app, "--scene", "ID", help, [&scene_id](const std::string& text) {
-    return SetSceneId(text, scene_id);
+    return SetSceneId("--scene", text, scene_id);
   })->required();
 }
 
@@ -175,8 +175,8 @@ void Grammar::AddReceivers() {
   CLI::App* app = AddCommand(receivers_, "receivers", "List the planar surfaces of a scene");
   AddScene(app, receivers_.scene);
   AddSurfaces(app, receivers_.min_area_m2, receivers_.texels_per_metre);
-  app->add_option("--count", receivers_.count, "How many of the largest; 0: all (default 20)")
-      ->type_name("N");
+  Add(app, "--count", "N", "How many of the largest; 0: all (default 20)",
+      [this](const std::string& text) { return SetCount("--count", text, receivers_.count); });
   app->add_flag("--json", receivers_.json, "Print JSON");
 }
 
@@ -209,23 +209,31 @@ Grammar::Grammar() {
   AddListings();
   AddDemo();
   AddReceivers();
+  AddScenes();
+  AddPeople();
+  AddEditControl();
 }
 
-std::vector<std::string> Grammar::CommandNames() const {
-  std::vector<std::string> names;
-  for (const CLI::App* command : app_.get_subcommands([](const CLI::App*) { return true; })) {
-    names.push_back(command->get_name());
+// Words that are no command, as far as nothing but commands was said before them.
+absl::Status Grammar::CheckCommandNames(const std::vector<std::string>& arguments) const {
+  const CLI::App* app = &app_;
+  for (const std::string& word : arguments) {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; })) {
+      names.push_back(command->get_name());
+    }
+    if (names.empty() || word.starts_with('-')) break;
+    if (std::ranges::count(names, word) == 0) {
+      return OptionError(app == &app_ ? "command" : app->get_name(), "UNKNOWN_COMMAND", {word},
+                         absl::StrCat(", need one of: ", absl::StrJoin(names, ", ")));
+    }
+    app = app->get_subcommand(word);
   }
-  return names;
+  return absl::OkStatus();
 }
 
 absl::StatusOr<Command> Grammar::Parse(const std::vector<std::string>& arguments) {
-  const std::vector<std::string> commands = CommandNames();
-  if (!arguments.empty() && !arguments[0].starts_with('-') &&
-      std::ranges::count(commands, arguments[0]) == 0) {
-    return OptionError("command", "UNKNOWN_COMMAND", {arguments[0]},
-                       absl::StrCat(", need one of: ", absl::StrJoin(commands, ", ")));
-  }
+  if (auto status = CheckCommandNames(arguments); !status.ok()) return status;
   std::vector<std::string> reversed = TieNumbersToOptions(arguments);
   std::reverse(reversed.begin(), reversed.end());
   try {

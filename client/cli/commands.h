@@ -11,6 +11,8 @@
 
 #include "client/cli/listings.h"
 #include "client/cli/numbers.h"
+#include "client/cli/people_commands.h"
+#include "client/cli/scene_commands.h"
 #include "client/display/volume_look.h"
 #include "render/math/vec.h"
 #include "render/scene/area_light.h"
@@ -64,6 +66,12 @@ struct BakeCommand {
 
 struct ViewCommand {
   EngineChoice engine;
+  std::string scene_id;      // of the server's scene that is drawn in place of the request's file
+  std::string follow;        // whose camera, by name or id; empty: nobody's
+  PersonChoice person;       // who follows
+  bool watch = false;        // draws again whenever something changes
+  bool until_left = false;   // watches no longer than whom it follows is there
+  double max_seconds = 0.0;  // of watching, or of waiting for a camera to follow; 0: not said
   ShadowRequest request;
   std::optional<uint32_t> max_planar_receivers;  // absent: 4
   std::optional<Camera> camera;  // absent: the file's first one, or one that sees everything
@@ -85,6 +93,7 @@ struct ViewCommand {
 
 struct PushCommand {
   EngineChoice engine;
+  PersonChoice person;
   ShadowRequest request;  // without parameters
   std::string scene_id;
   bool json = false;
@@ -129,6 +138,8 @@ struct PrintText {
 
 using Command =
     std::variant<PrintText, BakeCommand, ViewCommand, PushCommand, WatchCommand, TechniquesCommand,
-                 InfoCommand, TopCommand, DemoCommand, ReceiversCommand>;
+                 InfoCommand, TopCommand, DemoCommand, ReceiversCommand, WhoCommand, EditCommand,
+                 EditControlCommand, ScenesListCommand, ScenesExportCommand, ScenesImportCommand,
+                 ScenesDeleteCommand, ScenesDiffCommand, ReplayCommand>;
 
 }  // namespace penumbra

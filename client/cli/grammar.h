@@ -27,7 +27,8 @@ class Grammar {
 
  private:
   template <typename C>
-  CLI::App* AddCommand(C& command, const char* name, const char* summary);
+  CLI::App* AddCommand(C& command, const char* name, const char* summary,
+                       CLI::App* parent = nullptr);
   void AddEngine(CLI::App* app, EngineChoice& engine, bool server_is_required = false);
   void AddCredentials(CLI::App* app, EngineChoice& engine);
   void AddScene(CLI::App* app, std::filesystem::path& scene);
@@ -41,13 +42,21 @@ class Grammar {
   void AddVolumeLook(CLI::App* app);
   void AddPushAndWatch();
   void AddListings();
+  // Who the user is to others; and what makes them the only one who edits.
+  void AddPerson(CLI::App* app, PersonChoice& person);
+  void AddEditing(CLI::App* app, PersonChoice& person);
+  void AddPeople();
+  void AddEditControl();
+  void AddViewedScene(CLI::App* app);
   void AddDemo();
   void AddReceivers();
+  void AddScenes();
+  void AddArchives(CLI::App* scenes);
   void AddSurfaces(CLI::App* app, double& min_area_m2, float& texels_per_metre,
                    CLI::Option* only_with = nullptr);
   void AddThreads(CLI::App* app, EngineChoice& engine);
   void AddSceneId(CLI::App* app, std::string& scene_id, const char* help);
-  std::vector<std::string> CommandNames() const;
+  absl::Status CheckCommandNames(const std::vector<std::string>& arguments) const;
 
   // An option of one text, read by `read`; the second may be given several times.
   using Read = std::function<absl::Status(const std::string&)>;
@@ -76,12 +85,21 @@ class Grammar {
   TopCommand top_;
   DemoCommand demo_;
   ReceiversCommand receivers_;
+  ScenesListCommand scenes_list_;
+  ScenesExportCommand scenes_export_;
+  ScenesImportCommand scenes_import_;
+  ScenesDeleteCommand scenes_delete_;
+  ScenesDiffCommand scenes_diff_;
+  ReplayCommand replay_;
+  WhoCommand who_;
+  EditCommand edit_;
+  EditControlCommand edit_control_;
   Command chosen_;
 };
 
 template <typename C>
-CLI::App* Grammar::AddCommand(C& command, const char* name, const char* summary) {
-  CLI::App* app = app_.add_subcommand(name, summary);
+CLI::App* Grammar::AddCommand(C& command, const char* name, const char* summary, CLI::App* parent) {
+  CLI::App* app = (parent ? parent : &app_)->add_subcommand(name, summary);
   app->final_callback([this, &command] { chosen_ = command; });
   return app;
 }

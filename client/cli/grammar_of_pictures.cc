@@ -62,14 +62,47 @@ void Grammar::AddView() {
   Add(app, "--ambient", "\"r g b\"",
       "Radiance that reaches every surface (default: a share of the light there is)",
       [this](const std::string& text) { return SetAmbient(text, view_.ambient); });
-  app->add_flag(
-      "--cull-back-faces", view_.culls_back_faces,
-      "Leave out faces that turn away, to look into a closed room; not of traced pictures");
+  app->add_flag("--cull-back-faces", view_.culls_back_faces,
+                "Leave out faces that turn away, to see into closed rooms; not of traced ones");
   AddVolumeLook(app);
   Add(app, "--exposure", "FACTOR",
       "What radiance is multiplied by in a PNG (default: from the picture)",
       [this](const std::string& text) { return SetExposure(text, view_.exposure); });
   app->add_flag("--json", view_.json, "Print what was drawn as JSON");
+  AddViewedScene(app);
+}
+
+// In place of a file. What makes a scene of a file has no use then.
+void Grammar::AddViewedScene(CLI::App* app) {
+  CLI::Option* scene =
+      Add(app, "--scene", "ID", "Draw this scene of the server's, with its lights and receivers",
+          [this](const std::string& text) { return SetSceneId("--scene", text, view_.scene_id); });
+  scene->needs(app->get_option("--server"));
+  for (const char* name : {"SCENE", "--receiver", "--receiver-instance", "--floor",
+                           "--every-polygon", "--texture-size", "--reflectance", "--receivers"}) {
+    scene->excludes(app->get_option(name));
+  }
+  for (const LightOption& option : LightOptions()) scene->excludes(app->get_option(option.name));
+  app->get_option("SCENE")->required(false);
+  CLI::Option* follow =
+      app->add_option("--follow", view_.follow,
+                      "Look through the camera of somebody in the --scene, by name or id")
+          ->type_name("NAME");
+  follow->needs(scene)->excludes(app->get_option("--camera"));
+  CLI::Option* watch =
+      app->add_flag("--watch", view_.watch,
+                    "Draw the --scene again whenever it or the camera changes, until interrupted");
+  watch->needs(scene);
+  app->add_flag("--until-left", view_.until_left,
+                "With --watch and --follow: end when they leave; else their last camera stays")
+      ->needs(watch)
+      ->needs(follow);
+  Add(app, "--seconds", "S",
+      "How long to --watch (default: until interrupted) or to wait for a camera to --follow "
+      "(default 10)",
+      [this](const std::string& text) { return SetSeconds(text, view_.max_seconds); })
+      ->needs(scene);
+  AddPerson(app, view_.person);
 }
 
 }  // namespace penumbra

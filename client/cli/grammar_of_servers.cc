@@ -11,6 +11,8 @@ void Grammar::AddPushAndWatch() {
   AddRequest(push, push_.request, "--size");
   AddEngine(push, push_.engine, true);
   AddSceneId(push, push_.scene_id, "The server's scene; made if there is none");
+  AddPerson(push, push_.person);
+  AddEditing(push, push_.person);
   push->add_flag("--json", push_.json, "Print what was sent as JSON");
 
   CLI::App* watch = AddCommand(watch_, "watch", "Print each update of a server's scene");
@@ -57,9 +59,9 @@ void Grammar::AddListings() {
   top->add_option("--rows", top_.rows, "The most scenes, and clients, to show (default 20)")
       ->check(CLI::Range(1, 100'000))
       ->type_name("N");
-  top->add_option("--interval", top_.interval_s, "Seconds between looks (default 1)")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->type_name("S");
+  Add(top, "--interval", "S", "Seconds between looks (default 1)", [this](const std::string& text) {
+    return SetWithin("--interval", text, 0.1, 3600.0, top_.interval_s);
+  });
   top->add_flag("--once", top_.once, "Show one table, and end");
   top->add_flag("--json", top_.json, "What the server says, one JSON object a line");
 }

@@ -1,10 +1,11 @@
-// penumbra: the command line. Exit status 0: done; 1: it failed; 2: the command line by
-// itself makes no sense.
+// penumbra: the command line. Exit status 0: done; 1: it failed, or scenes differ; 2: the command
+// line by itself makes no sense, or scenes could not be compared.
 #include <unistd.h>
 
 #include <exception>
 #include <iostream>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "client/cli/command_line.h"
@@ -30,6 +31,9 @@ int RunProgram(const std::vector<std::string>& arguments) {
                                   .out_is_terminal = isatty(STDOUT_FILENO) != 0};
   const absl::Status status = penumbra::RunCommand(*command, console, interrupt.token());
   if (status.ok()) return 0;
+  if (penumbra::ErrorReason(status) == penumbra::kScenesDiffer) return 1;
+  // As diff does, for which 1 means a difference.
+  if (std::holds_alternative<penumbra::ScenesDiffCommand>(*command)) return Fail(status, 2);
   // Options that contradict each other, or the technique.
   const bool is_of_an_option = status.code() == absl::StatusCode::kInvalidArgument &&
                                penumbra::ErrorFieldPath(status).starts_with("--");

@@ -1,9 +1,11 @@
 #include "client/cli/open_engine.h"
 
+#include <atomic>
 #include <cstdlib>
 #include <fstream>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/option_error.h"
@@ -12,12 +14,25 @@
 #include "render/gl/lazy_worker.h"
 
 namespace penumbra {
+namespace {
+
+std::function<void(const absl::Status&)> NoteOnce(const Console& console) {
+  return
+      [&console, is_told = std::make_shared<std::atomic<bool>>(false)](const absl::Status& quota) {
+        if (quota.ok() || is_told->exchange(true)) return;
+        console.Note(absl::StrCat("over the quota: ", OneLine(std::string(quota.message()))));
+      };
+}
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<RemoteEngine>> ConnectTo(
-    const EngineChoice& choice, std::function<void(uint64_t, uint64_t)> progress) {
+    const EngineChoice& choice, std::function<void(uint64_t, uint64_t)> progress,
+    const Console* console) {
   RemoteEngineOptions options{.address = choice.server,
                               .upload_progress = std::move(progress),
                               .credentials = choice.credentials};
+  if (console != nullptr) options.on_compute_quota = NoteOnce(*console);
   ClientCredentials& credentials = options.credentials;
   credentials.tls |= !credentials.ca_file.empty() || !credentials.certificate_file.empty() ||
                      !credentials.key_file.empty();
@@ -31,6 +46,20 @@ absl::StatusOr<std::unique_ptr<RemoteEngine>> ConnectTo(
     credentials.token = token;
   }
   return RemoteEngine::Connect(std::move(options));
+}
+
+absl::Status UnknownScene(Engine& engine, const std::string& scene_id) {
+  const auto present = engine.ListScenes();
+  if (!present.ok()) return present.status();
+  std::vector<std::string> ids;
+  for (const SceneInfo& info : *present) ids.push_back(info.id);
+  return UnknownIdError("--scene", scene_id, ids, "the server");
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> SceneOf(Engine& engine, const std::string& scene_id) {
+  auto scene = engine.Snapshot(scene_id);
+  if (absl::IsNotFound(scene.status())) return UnknownScene(engine, scene_id);
+  return scene;
 }
 
 absl::StatusOr<std::unique_ptr<Engine>> OpenEngine(const EngineChoice& choice) {

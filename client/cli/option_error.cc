@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "render/scene/field_error.h"
@@ -37,8 +38,12 @@ absl::Status UnknownIdError(std::string_view option, std::string_view id,
       known.empty()
           ? absl::StrCat(", but ", std::string(where), " has none")
           : absl::StrCat(", need one of: ", absl::StrJoin(known, ", "), is_cut ? ", …" : "");
-  const absl::Status status = OptionError(option, "UNKNOWN_ID", {id}, need);
-  return absl::NotFoundError(status.message());
+  const absl::Status wrong = OptionError(option, "UNKNOWN_ID", {id}, need);
+  absl::Status missing = absl::NotFoundError(wrong.message());
+  wrong.ForEachPayload([&](absl::string_view name, const absl::Cord& payload) {
+    missing.SetPayload(name, payload);
+  });
+  return missing;
 }
 
 absl::Status OfOption(std::string_view option, const absl::Status& error) {

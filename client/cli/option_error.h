@@ -21,8 +21,8 @@ struct FoundText {
 absl::Status OptionError(std::string_view option, std::string_view reason, FoundText found,
                          std::string_view rest);
 
-// kNotFound: `option: found "id", need one of: …`, with a dozen of the `known` ids at most.
-// `where` is what has none, if there is none.
+// kNotFound UNKNOWN_ID: `option: found "id", need one of: …`, with a dozen of the `known` ids at
+// most. `where` is what has none, if there is none.
 absl::Status UnknownIdError(std::string_view option, std::string_view id,
                             std::vector<std::string> known, std::string_view where = "the scene");
 

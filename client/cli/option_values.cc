@@ -1,6 +1,7 @@
 #include "client/cli/option_values.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -128,20 +129,6 @@ absl::Status SetUpdates(std::string_view text, uint64_t& updates) {
   return absl::OkStatus();
 }
 
-absl::Status SetServer(std::string_view text, std::string& server) {
-  // An IPv6 address without a port ends with its bracket.
-  if (text.find(':') == std::string_view::npos || text.back() == ']' || text.back() == ':') {
-    return OptionError("--server", "BAD_ADDRESS", {text}, ", need HOST:PORT or unix:PATH");
-  }
-  server = text;
-  return absl::OkStatus();
-}
-
-absl::Status SetSceneId(std::string_view text, std::string& scene_id) {
-  scene_id = text;
-  return CheckId(text, "--scene");
-}
-
 absl::Status SetMethod(TechniqueParams& params, std::string_view text) {
   const auto method = VisibilityMethodNamed(text);
   if (!method) {
@@ -248,6 +235,16 @@ absl::StatusOr<PixelRect> ReadRect(std::string_view option, std::string_view tex
   }
   const auto at = [&](size_t i) { return static_cast<uint32_t>((*numbers)[i]); };
   return PixelRect{at(0), at(1), at(2), at(3)};
+}
+
+absl::StatusOr<uint32_t> ReadColour(std::string_view option, std::string_view text) {
+  const std::string_view digits = text.substr(text.starts_with('#') ? 1 : 0);
+  uint32_t rgb = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), rgb, 16);
+  if (digits.size() != 6 || error != std::errc() || end != digits.data() + digits.size()) {
+    return RangeError(option, text, "six hexadecimal digits, RRGGBB");
+  }
+  return rgb;
 }
 
 absl::Status SetCamera(std::string_view text, std::optional<Camera>& camera) {

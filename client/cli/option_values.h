@@ -25,9 +25,16 @@ absl::Status SetSeed(TechniqueParams& params, std::string_view text);
 absl::Status SetTimeBudget(std::string_view text, float& time_budget_ms);
 absl::Status SetSeconds(std::string_view text, double& seconds);    // > 0
 absl::Status SetUpdates(std::string_view text, uint64_t& updates);  // > 0
-// Anything that names a port or a scheme; gRPC reads the rest.
+// Anything with a port, or of the scheme unix:; gRPC reads the rest.
 absl::Status SetServer(std::string_view text, std::string& server);
-absl::Status SetSceneId(std::string_view text, std::string& scene_id);
+absl::Status SetSceneId(std::string_view option, std::string_view text, std::string& scene_id);
+// From 0 on.
+absl::Status SetCount(std::string_view option, std::string_view text, uint32_t& count);
+absl::Status SetRevision(std::string_view option, std::string_view text,
+                         std::optional<uint64_t>& revision);
+// Within the two; a number in any case.
+absl::Status SetWithin(std::string_view option, std::string_view text, double least, double most,
+                       double& value);
 absl::Status SetMethod(TechniqueParams& params, std::string_view text);
 
 // Ids are the option's, with "-2", "-3", … after the first of its kind. Lights and receivers that
@@ -49,6 +56,8 @@ absl::Status SetExposure(std::string_view text, std::optional<float>& exposure);
 absl::Status SetVolumeShading(std::string_view text, VolumeShading& shading);
 absl::Status SetVolumeOpacity(std::string_view text, float& opacity);  // in [0, 1]
 absl::Status SetVolumePasses(std::string_view text, int& passes);      // 1 to kMaxVolumePasses
+// "#3366ff" or "3366ff", as 0xRRGGBB.
+absl::StatusOr<uint32_t> ReadColour(std::string_view option, std::string_view text);
 absl::Status SetCamera(std::string_view text, std::optional<Camera>& camera);
 
 }  // namespace penumbra

@@ -44,6 +44,11 @@ absl::Status PrepareOutputFile(const std::filesystem::path& file) {
     return absl::FailedPreconditionError(
         absl::StrCat(file.string(), ": found a folder, need a file"));
   }
+  // What a command writes takes the place of what is there: a device or a pipe would be gone.
+  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(file.string(), ": found a device or a pipe, need a file or nothing"));
+  }
   const std::filesystem::path folder = file.parent_path();
   return PrepareOutputFolder(folder.empty() ? std::filesystem::path(".") : folder);
 }

@@ -17,7 +17,9 @@ absl::Status WriteText(const std::filesystem::path& path, const std::string& tex
 // Errors  kUnavailable: cannot be written; kFailedPrecondition: not a folder
 absl::Status PrepareOutputFolder(const std::filesystem::path& folder);
 
-// The same for the folder that `file` is to lie in.
+// The same for the folder that `file` is to lie in, and that it is a file or nothing yet.
+//
+// Errors  as above; kFailedPrecondition: a folder, a device or a pipe
 absl::Status PrepareOutputFile(const std::filesystem::path& file);
 
 }  // namespace penumbra

@@ -1,8 +1,11 @@
 // penumbra push: makes a server's scene equal to a file.
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "absl/strings/str_format.h"
+#include "client/cli/json_text.h"
 #include "client/cli/open_engine.h"
+#include "client/cli/people.h"
 #include "client/cli/replace_scene.h"
 #include "client/cli/run_command.h"
 #include "client/cli/shadow_plan.h"
@@ -15,12 +18,18 @@ namespace {
 
 void Report(const PushCommand& command, const ShadowPlan& plan, Revision revision,
             const UploadTraffic& traffic, double wall_ms, const Console& console) {
+  for (const std::string& note : plan.notes) console.Note(note);
+  if (plan.receiver_ids.empty()) {
+    console.Note(
+        "no receiver is named (--floor, --receiver, --receiver-instance, --every-polygon): until a "
+        "client adds one soft_texture has nothing to show shadows on");
+  }
   if (command.json) {
     const nlohmann::ordered_json json = {
         {"scene", command.scene_id},          {"revision", revision},
         {"blobs_sent", traffic.blobs_sent},   {"bytes_sent", traffic.bytes_sent},
         {"blobs_known", traffic.blobs_known}, {"wall_ms", wall_ms}};
-    console.out << json.dump(2) << '\n';
+    console.out << JsonText(json) << '\n';
   } else {
     console.out << absl::StrFormat(
         "%s is at revision %d: %d instances, %d lights, %d receivers, %.0f ms\n", command.scene_id,
@@ -47,6 +56,12 @@ absl::Status Run(const PushCommand& command, const Console& console, std::stop_t
   if (!engine.ok()) return engine.status();
   const absl::Status created = (*engine)->CreateScene(command.scene_id);
   if (!created.ok() && !absl::IsAlreadyExists(created)) return created;
+  const PersonChoice& person = command.person;
+  std::optional<absl::StatusOr<PersonInScene>> me;
+  if (person.name || person.takes_editing || person.takes_from_other) {
+    me.emplace(EnterToEdit(**engine, command.scene_id, person));
+    if (!me->ok()) return me->status();
+  }
   const auto present = (*engine)->Snapshot(command.scene_id);
   if (!present.ok()) return present.status();
 
@@ -54,18 +69,12 @@ absl::Status Run(const PushCommand& command, const Console& console, std::stop_t
   const SceneDelta delta = ReplacementDelta(**present, plan->delta);
   absl::StatusOr<Revision> revision = (*present)->revision();
   if (!delta.empty()) revision = CommitInParts(**engine, command.scene_id, delta);
-  if (!revision.ok()) return revision.status();
+  if (!revision.ok()) return WithTakeHint(revision.status());
 
   const UploadTraffic traffic = (*engine)->upload_traffic();
   const double wall_ms = NowMs() - start_ms;
   progress.Finish(absl::StrFormat("sent %d blobs, %.2f MB; %d were there", traffic.blobs_sent,
                                   traffic.bytes_sent * 1e-6, traffic.blobs_known));
-  for (const std::string& note : plan->notes) console.Note(note);
-  if (plan->receiver_ids.empty()) {
-    console.Note(
-        "no receiver is named (--floor, --receiver, --receiver-instance, --every-polygon): until a "
-        "client adds one soft_texture has nothing to show shadows on");
-  }
   Report(command, *plan, *revision, traffic, wall_ms, console);
   return absl::OkStatus();
 }

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/json_number.h"
+#include "client/cli/json_text.h"
 #include "client/cli/run_command.h"
 #include "client/cli/surface_plan.h"
 #include "render/scene/receiver_place.h"
@@ -77,7 +78,7 @@ absl::Status Run(const ReceiversCommand& command, const Console& console, std::s
     }
   }
   for (const std::string& warning : imported->warnings) console.Note(warning);
-  if (command.json) console.out << Json{{"receivers", std::move(list)}}.dump(2) << '\n';
+  if (command.json) console.out << JsonText(Json{{"receivers", std::move(list)}}) << '\n';
   return absl::OkStatus();
 }
 

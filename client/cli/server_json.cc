@@ -26,4 +26,9 @@ double NumberAt(const Json& object, const char* name) {
   return 0;
 }
 
+std::string TextAt(const nlohmann::ordered_json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
 }  // namespace penumbra

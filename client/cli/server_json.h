@@ -20,4 +20,7 @@ absl::StatusOr<nlohmann::ordered_json> AskServer(
 // none.
 double NumberAt(const nlohmann::ordered_json& object, const char* name);
 
+// A text; empty where there is none.
+std::string TextAt(const nlohmann::ordered_json& object, const char* name);
+
 }  // namespace penumbra

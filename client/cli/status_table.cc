@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/server_json.h"
+#include "client/session/utf8.h"
 
 namespace penumbra {
 namespace {
@@ -17,11 +18,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr size_t kNameColumns = 24;
-
-std::string TextAt(const Json& object, const char* name) {
-  const auto found = object.find(name);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
-}
 
 // What has been counted between two answers, for each second.
 class Rates {
@@ -118,36 +114,12 @@ bool IsUnsafe(uint32_t c) {
          (c >= 0x2060 && c <= 0x206f) || c == 0xfeff || (c >= 0xfff0 && c < 0xfffe);
 }
 
-// The character of UTF-8 at the beginning of `text`, and how many bytes it takes; 0 of them where
-// there is none.
-struct Decoded {
-  uint32_t character = 0;
-  size_t bytes = 0;
-};
-
-Decoded Decode(std::string_view text) {
-  const auto byte = [&](size_t i) { return static_cast<unsigned char>(text[i]); };
-  const size_t bytes = byte(0) < 0x80   ? 1
-                       : byte(0) < 0xc2 ? 0
-                       : byte(0) < 0xe0 ? 2
-                       : byte(0) < 0xf0 ? 3
-                       : byte(0) < 0xf5 ? 4
-                                        : 0;
-  if (bytes == 0 || bytes > text.size()) return {};
-  uint32_t character = bytes == 1 ? byte(0) : byte(0) & (0x7fu >> bytes);
-  for (size_t i = 1; i < bytes; ++i) {
-    if ((byte(i) & 0xc0) != 0x80) return {};
-    character = character << 6 | (byte(i) & 0x3fu);
-  }
-  return {character, bytes};
-}
-
 }  // namespace
 
 std::string CellText(std::string_view text, size_t columns) {
   std::vector<std::string> cells;
   while (!text.empty() && cells.size() <= columns) {
-    const Decoded next = Decode(text);
+    const Utf8Character next = FirstUtf8(text);
     const bool is_shown = next.bytes > 0 && !IsUnsafe(next.character);
     cells.push_back(is_shown ? std::string(text.substr(0, next.bytes)) : "?");
     text.remove_prefix(std::max<size_t>(next.bytes, 1));

@@ -153,17 +153,6 @@ absl::Status UpdatePrinter::Wait(std::stop_token stop) {
   return ended_;
 }
 
-// Of a scene that the server may not have: the error then names those that it has.
-absl::StatusOr<std::shared_ptr<const Scene>> SceneOf(Engine& engine, const std::string& scene_id) {
-  auto scene = engine.Snapshot(scene_id);
-  if (!absl::IsNotFound(scene.status())) return scene;
-  const auto present = engine.ListScenes();
-  if (!present.ok()) return present.status();
-  std::vector<std::string> ids;
-  for (const SceneInfo& info : *present) ids.push_back(info.id);
-  return UnknownIdError("--scene", scene_id, ids, "the server");
-}
-
 template <typename T>
 std::vector<std::string> IdsOf(const Scene::Table<T>& table) {
   std::vector<std::string> ids;
@@ -225,7 +214,7 @@ absl::Status CheckOptionsFit(const WatchCommand& command) {
 
 absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
   if (const auto status = CheckOptionsFit(command); !status.ok()) return status;
-  const auto engine = ConnectTo(command.engine);
+  const auto engine = ConnectTo(command.engine, nullptr, &console);
   if (!engine.ok()) return engine.status();
   const auto scene = SceneOf(**engine, command.scene_id);
   if (!scene.ok()) return scene.status();

@@ -154,8 +154,11 @@ float FormFactorOfCap(float cos_to_axis, float sin2_alpha) {
   return clamp((ellipse + rest) / kPi, 0.0, 1.0);
 }
 
-bool SeesEmittingSide(vec3 to_light, vec3 front, float two_sided) {
-  return two_sided != 0.0 || dot(front, to_light) < 0.0;
+// A surface that a light lies on does not see it: there rounding alone would say which side it is.
+bool SeesEmittingSide(vec3 point, vec3 to_light, vec3 front, float two_sided) {
+  float height = -dot(front, to_light);
+  float rounding = 1e-5 * length(front) * (length(point) + length(to_light));
+  return (two_sided != 0.0 ? abs(height) : height) > rounding;
 }
 
 float FactorOfSphere(vec3 to_center, float radius, vec3 n) {
@@ -191,10 +194,10 @@ float UnoccludedFactor(Light light, vec3 point, vec3 n) {
   vec3 to_light = light.a.xyz - point;
   switch (int(light.emission.w)) {
     case kRectangle:
-      if (!SeesEmittingSide(to_light, cross(light.b.xyz, light.c.xyz), light.a.w)) return 0.0;
+      if (!SeesEmittingSide(point, to_light, cross(light.b.xyz, light.c.xyz), light.a.w)) return 0.0;
       return FormFactorOfPolygon4(to_light, light.b.xyz, light.c.xyz, n);
     case kDisk:
-      if (!SeesEmittingSide(to_light, light.b.xyz, light.a.w)) return 0.0;
+      if (!SeesEmittingSide(point, to_light, light.b.xyz, light.a.w)) return 0.0;
       return FormFactorOfDisk(to_light, light.b.xyz, light.b.w, n);
     case kSphere:
       return FactorOfSphere(to_light, light.b.w, n);

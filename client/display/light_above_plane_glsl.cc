@@ -69,10 +69,10 @@ float LightAbovePlane(Light light, vec3 point, vec3 n) {
   vec3 to_light = light.a.xyz - point;
   switch (int(light.emission.w)) {
     case kRectangle:
-      if (!SeesEmittingSide(to_light, cross(light.b.xyz, light.c.xyz), light.a.w)) return 0.0;
+      if (!SeesEmittingSide(point, to_light, cross(light.b.xyz, light.c.xyz), light.a.w)) return 0.0;
       return SquareAbove(dot(n, to_light), dot(n, light.b.xyz), dot(n, light.c.xyz));
     case kDisk:
-      if (!SeesEmittingSide(to_light, light.b.xyz, light.a.w)) return 0.0;
+      if (!SeesEmittingSide(point, to_light, light.b.xyz, light.a.w)) return 0.0;
       return DiskAbove(light, to_light, n);
     case kSphere:
       return SphereAbove(to_light, light.b.w, n);

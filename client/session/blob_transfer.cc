@@ -1,6 +1,7 @@
 #include "client/session/blob_transfer.h"
 
 #include <algorithm>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -66,20 +67,26 @@ absl::Status BlobTransfer::UploadMissing(const SceneDelta& delta, const Scene& k
     }
   }
   if (blobs.empty()) return absl::OkStatus();
-  for (const auto& [hash, blob] : blobs) Remember(hash, blob);
-  const auto missing = FindMissing(blobs);
+  std::vector<ContentHash> hashes;
+  for (const auto& [hash, blob] : blobs) {
+    Remember(hash, blob);
+    hashes.push_back(hash);
+  }
+  const auto missing = FindMissing(hashes);
   if (!missing.ok()) return missing.status();
   blobs_known_ += blobs.size() - missing->size();
   return missing->empty() ? absl::OkStatus() : Upload(blobs, *missing);
 }
 
-absl::StatusOr<std::vector<ContentHash>> BlobTransfer::FindMissing(const LocalBlobs& blobs) {
+absl::StatusOr<std::vector<ContentHash>> BlobTransfer::FindMissing(
+    std::span<const ContentHash> hashes) {
+  const std::set<ContentHash> asked(hashes.begin(), hashes.end());
   std::vector<ContentHash> missing;
-  for (auto next = blobs.begin(); next != blobs.end();) {
+  while (!hashes.empty()) {
+    const auto some = hashes.first(std::min(hashes.size(), hashes_per_request_));
+    hashes = hashes.subspan(some.size());
     v1::FindMissingBlobsRequest request;
-    for (size_t i = 0; i < hashes_per_request_ && next != blobs.end(); ++i, ++next) {
-      request.add_hashes(ToProto(next->first));
-    }
+    for (const ContentHash& hash : some) request.add_hashes(ToProto(hash));
     v1::FindMissingBlobsResponse response;
     const absl::Status status =
         connection_.Call(&v1::PenumbraService::Stub::FindMissingBlobs, request, &response);
@@ -87,7 +94,7 @@ absl::StatusOr<std::vector<ContentHash>> BlobTransfer::FindMissing(const LocalBl
     for (const std::string& bytes : response.missing_hashes()) {
       const auto hash = HashFromProto(bytes, "missing_hashes");
       if (!hash.ok()) return hash.status();
-      if (blobs.contains(*hash)) missing.push_back(*hash);
+      if (asked.contains(*hash)) missing.push_back(*hash);
     }
   }
   return missing;

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -27,12 +28,18 @@ class BlobTransfer {
   BlobTransfer(ServerConnection& connection, const v1::Limits& limits);
 
   const SceneLimits& scene_limits() const { return scene_limits_; }
+  // Of a blob in one message; blobs in one call.
+  size_t chunk_bytes() const { return chunk_bytes_; }
+  size_t blobs_per_call() const { return hashes_per_request_; }
 
   // Uploads the blobs that `delta` names and the server lacks. Those of the same instance of
   // `known` are there and are not even asked for.
   //
   // Errors  kUnavailable; the server's, over its limits for instance
   absl::Status UploadMissing(const SceneDelta& delta, const Scene& known);
+
+  // Which of them the server lacks. Errors  kUnavailable; the server's
+  absl::StatusOr<std::vector<ContentHash>> FindMissing(std::span<const ContentHash> hashes);
 
   // Where the blobs that `delta` names are, fetched from the server where they have not been seen
   // while something still held them.
@@ -52,7 +59,6 @@ class BlobTransfer {
   };
   using LocalBlobs = std::map<ContentHash, Local>;
 
-  absl::StatusOr<std::vector<ContentHash>> FindMissing(const LocalBlobs& blobs);
   absl::Status Upload(const LocalBlobs& blobs, const std::vector<ContentHash>& missing);
   absl::StatusOr<BlobContent> Download(const ContentHash& hash, std::stop_token stop);
   void Remember(const ContentHash& hash, const Local& blob);

@@ -22,6 +22,11 @@ void ReadingTurns::Post(std::function<void()> job) {
   jobs_.push_back(std::move(job));
 }
 
+void ReadingTurns::PostAtOnce(std::function<void()> job) {
+  Post(std::move(job));
+  turn_.notify_one();
+}
+
 void ReadingTurns::Run() {
   std::unique_lock lock(mutex_);
   for (;;) {

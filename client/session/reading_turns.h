@@ -33,6 +33,8 @@ class ReadingTurns {
 
   // From inside read_one: `job` runs when it returns.
   void Post(std::function<void()> job);
+  // Likewise, but another thread runs it at once, if one is free, however long read_one takes.
+  void PostAtOnce(std::function<void()> job);
 
  private:
   void Run();

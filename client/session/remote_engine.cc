@@ -1,7 +1,11 @@
 #include "client/session/remote_engine.h"
 
+#include <chrono>
 #include <utility>
 
+#include "client/session/archive_transfer.h"
+#include "client/session/attendance_book.h"
+#include "client/session/scene_presence.h"
 #include "client/session/scene_session.h"
 #include "client/session/server_connection.h"
 #include "google/protobuf/util/json_util.h"
@@ -131,6 +135,21 @@ absl::StatusOr<std::vector<EachSubscription>> RemoteEngine::SubscribeEach(
                    [&](SceneSession& session) { return session.SubscribeEach(request, callback); });
 }
 
+absl::StatusOr<std::unique_ptr<ScenePresence>> RemoteEngine::Enter(const std::string& scene_id,
+                                                                   const Presence& presence,
+                                                                   PresenceCallback changed) {
+  const PresenceLimits& limits = connection_->presence_limits();
+  if (auto status = CheckPresence(presence, limits); !status.ok()) return status;
+  const SessionEntry entry{ToProto(presence), std::move(changed)};
+  const auto session = connection_->EnteredSessionOf(scene_id, entry);
+  if (!session.ok()) return session.status();
+  const auto entered = (*session)->presence();
+  auto handle = std::make_unique<ScenePresence>(*session, entered, limits);
+  const std::chrono::duration<double> timeout(connection_->options().call_timeout_s);
+  if (auto status = entered->AwaitList(timeout); !status.ok()) return status;
+  return handle;
+}
+
 absl::StatusOr<std::string> RemoteEngine::ServerInfoJson() {
   v1::GetServerInfoResponse response;
   const absl::Status status = connection_->Call(&v1::PenumbraService::Stub::GetServerInfo,
@@ -153,6 +172,26 @@ absl::StatusOr<std::string> RemoteEngine::TechniquesJson() {
                                                 v1::ListTechniquesRequest(), &response);
   if (!status.ok()) return status;
   return ToJson(response);
+}
+
+absl::StatusOr<std::string> RemoteEngine::ScenesJson() {
+  v1::ListScenesResponse response;
+  const absl::Status status =
+      connection_->Call(&v1::PenumbraService::Stub::ListScenes, v1::ListScenesRequest(), &response);
+  if (!status.ok()) return status;
+  return ToJson(response);
+}
+
+absl::Status RemoteEngine::ExportScene(const std::string& scene_id,
+                                       const std::filesystem::path& file,
+                                       const ArchiveOptions& options) {
+  return ArchiveTransfer(*connection_, options).Export(scene_id, file);
+}
+
+absl::StatusOr<SceneInfo> RemoteEngine::ImportScene(const std::filesystem::path& file,
+                                                    const std::string& scene_id,
+                                                    const ArchiveOptions& options) {
+  return ArchiveTransfer(*connection_, options).Import(file, scene_id);
 }
 
 UploadTraffic RemoteEngine::upload_traffic() const { return connection_->blobs().traffic(); }

@@ -11,48 +11,28 @@
 //
 // When the connection breaks, a session is resumed on another one: commits under way are sent again
 // under the key that makes them one, subscriptions go on, and the mirror hears what it has missed.
+// Whoever was seen introduces themselves again, and edits on if they did.
 // What cannot be resumed within `reconnect_for_s` ends with kUnavailable. Later calls connect anew.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "client/session/client_credentials.h"
+#include "client/session/archive_options.h"
+#include "client/session/presence.h"
+#include "client/session/remote_engine_options.h"
 #include "client/session/traffic.h"
 #include "render/engine/engine.h"
 
 namespace penumbra {
 
+class ScenePresence;
 class ServerConnection;
-
-// What becomes of a scene's connection.
-struct ConnectionEvent {
-  enum class Kind { kLost, kRestored, kGivenUp };
-  Kind kind = Kind::kLost;
-  std::string scene_id;
-  absl::Status reason;          // why it was lost, or given up
-  int attempts = 0;             // to connect, so far
-  bool missed_nothing = false;  // restored: what has changed meanwhile was told in small
-};
-
-struct RemoteEngineOptions {
-  std::string address;                   // "host:port"
-  std::string client_name = "penumbra";  // for the server's log
-  double connect_timeout_s = 5.0;
-  // For the answer to anything but an artifact. A large upload has as long for each 16 MiB.
-  double call_timeout_s = 30.0;
-  // How long a session that has lost its connection tries to get another one; 0: not at all.
-  double reconnect_for_s = 30.0;
-  // Told of that, on a thread of the session's; may be null.
-  std::function<void(const ConnectionEvent&)> on_connection = nullptr;
-  // Told while meshes are being uploaded, on the thread that commits; may be null.
-  std::function<void(uint64_t sent_bytes, uint64_t total_bytes)> upload_progress = nullptr;
-  ClientCredentials credentials{};
-};
 
 // Which shadows are asked for at once: of each light on each receiver, or for whatever else the
 // technique computes.
@@ -111,12 +91,36 @@ class RemoteEngine : public Engine {
                                                               const EachRequest& request,
                                                               EachCallback callback);
 
+  // Lets the others in a scene see the user, and the user them (scene_presence.h). `changed` is
+  // called with who is here, first and whenever that changes, on a thread of the session's, one
+  // call at a time, the first perhaps before Enter has returned; it may be null. One presence for
+  // each engine and scene. A session that is in use already goes on on another connection.
+  //
+  // Errors  those of CheckPresence; kAlreadyExists ALREADY_PRESENT; kNotFound: no such scene;
+  //         kUnavailable
+  absl::StatusOr<std::unique_ptr<ScenePresence>> Enter(const std::string& scene_id,
+                                                       const Presence& presence,
+                                                       PresenceCallback changed);
+
   // What the server says of itself, of what goes on, and of its techniques: GetServerInfoResponse,
   // GetServerStatusResponse and ListTechniquesResponse in protobuf's JSON, with the fields named as
   // in the protocol.
   absl::StatusOr<std::string> ServerInfoJson();
   absl::StatusOr<std::string> ServerStatusJson();
   absl::StatusOr<std::string> TechniquesJson();
+
+  // ListScenesResponse, likewise.
+  absl::StatusOr<std::string> ScenesJson();
+
+  // Writes an archive of the scene: there is all of the file afterwards, or nothing of it.
+  // Errors  those of the server; kUnavailable: the file cannot be written
+  absl::Status ExportScene(const std::string& scene_id, const std::filesystem::path& file,
+                           const ArchiveOptions& options = {});
+  // Makes a scene of an archive, under its own id where `scene_id` is empty. What the server lacks
+  // of its blobs is uploaded before. Errors  those of ReadArchive; those of the server
+  absl::StatusOr<SceneInfo> ImportScene(const std::filesystem::path& file,
+                                        const std::string& scene_id = {},
+                                        const ArchiveOptions& options = {});
 
   UploadTraffic upload_traffic() const;
 

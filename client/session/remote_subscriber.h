@@ -51,7 +51,7 @@ class RemoteSubscriber {
   absl::StatusOr<bool> Receive(const v1::ArtifactUpdate& message, double now_ms,
                                const std::function<double(Revision)>& heard_ms);
 
-  // From here on messages come on connection `link`, from the start. By the reader alone.
+  // From here on messages come on connection `link`, from the start. Before any of them can come.
   void Restart(uint64_t link);
 
   // The last update there will be. True if a job must Deliver().

@@ -42,22 +42,25 @@ class RemoteSubscription : public Subscription {
 
 }  // namespace
 
-SceneSession::SceneSession(ServerConnection& connection, const std::string& scene_id)
+SceneSession::SceneSession(ServerConnection& connection, const std::string& scene_id,
+                           const std::optional<Entry>& entry)
     : connection_(connection),
       address_(connection.options().address),
       scene_id_(scene_id),
       mirror_(scene_id, connection.blobs()),
       key_prefix_(RandomKeyPrefix()),
+      presence_(entry ? MakePresence(*entry) : nullptr),
       turns_([this] { return ReadOne(); }) {}
 
 SceneSession::~SceneSession() {
   End(absl::CancelledError("the session was closed"));
   Join();
+  if (presence_) presence_->StopSending();
 }
 
-absl::StatusOr<std::shared_ptr<SceneSession>> SceneSession::Open(ServerConnection& connection,
-                                                                 const std::string& scene_id) {
-  std::shared_ptr<SceneSession> session(new SceneSession(connection, scene_id));
+absl::StatusOr<std::shared_ptr<SceneSession>> SceneSession::Open(
+    ServerConnection& connection, const std::string& scene_id, const std::optional<Entry>& entry) {
+  std::shared_ptr<SceneSession> session(new SceneSession(connection, scene_id, entry));
   if (absl::Status status = session->Greet(); !status.ok()) return status;
   return session;
 }
@@ -125,63 +128,8 @@ absl::Status SceneSession::Await(Answers& answers, uint64_t id,
   if (answer->is_here) return answer->status;
   if (has_ended_) return end_reason_;
   // A commit's entry stays: if its answer does come, the mirror needs it.
-  if (&answers == &subscribes_) answers.erase(id);
+  if (&answers != &commits_) answers.erase(id);
   return absl::DeadlineExceededError(absl::StrCat(address_, ": no answer in time"));
-}
-
-absl::StatusOr<Revision> SceneSession::Commit(const SceneDelta& delta) {
-  auto revision = TryCommit(delta);
-  // The server may have dropped a blob between our question and the commit, or since an instance
-  // named it that is gone by now.
-  if (ErrorReason(revision.status()) != "MISSING_BLOB") return revision;
-  const auto nothing_known = Scene::Empty(scene_id_);
-  const absl::Status status = Upload(delta, *nothing_known);
-  if (!status.ok()) return status;
-  return TryCommit(delta);
-}
-
-// Again, once there is a connection again.
-absl::Status SceneSession::Upload(const SceneDelta& delta, const Scene& known) {
-  for (;;) {
-    const absl::Status status = connection_.blobs().UploadMissing(delta, known);
-    if (!absl::IsUnavailable(status)) return status;
-    std::unique_lock lock(mutex_);
-    // The stream may be about to find out too.
-    constexpr std::chrono::seconds kStreamsVerdict{1};
-    changed_.wait_for(lock, kStreamsVerdict, [this] { return !is_connected_ || has_ended_; });
-    if (is_connected_ || has_ended_) return status;
-    changed_.wait(lock, [this] { return is_connected_ || has_ended_; });
-  }
-}
-
-absl::StatusOr<Revision> SceneSession::TryCommit(const SceneDelta& delta) {
-  const auto known = mirror_.Applied();
-  absl::Status status = Upload(delta, *known);
-  if (!status.ok()) return status;
-
-  v1::SessionRequest request;
-  *request.mutable_commit()->mutable_delta() = ToProto(delta);
-  if (request.ByteSizeLong() > connection_.max_message_bytes()) {
-    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_MESSAGE", "delta",
-                      absl::StrCat("found ", request.ByteSizeLong(), " bytes, need at most ",
-                                   connection_.max_message_bytes(), ": commit it in parts"));
-  }
-  const auto answer = std::make_shared<Answer>();
-  answer->delta = delta;
-  {
-    std::lock_guard lock(mutex_);
-    request.mutable_commit()->set_commit_id(next_id_);
-    request.mutable_commit()->set_idempotency_key(absl::StrCat(key_prefix_, next_id_));
-    answer->request = request;
-    commits_[next_id_++] = answer;
-  }
-  SendOnce(*answer);
-  status = Await(commits_, request.commit().commit_id(), answer);
-  if (!status.ok()) return status;
-  // The next commit then knows which meshes this one has brought. What others brought may have to
-  // be fetched, which is for Snapshot to wait for.
-  mirror_.CatchUpOwn();
-  return answer->revision;
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> SceneSession::Snapshot() {
@@ -207,6 +155,7 @@ absl::StatusOr<std::unique_ptr<Subscription>> SceneSession::Subscribe(
   *request.mutable_subscribe()->mutable_spec() = ToProto(spec);
   request.mutable_subscribe()->set_initial_credit(kInitialCredit);
   const auto answer = std::make_shared<Answer>();
+  if (auto status = connection_.CheckFits(request, "spec"); !status.ok()) return status;
   std::shared_ptr<RemoteSubscriber> subscriber;
   {
     std::lock_guard lock(mutex_);
@@ -255,6 +204,7 @@ absl::StatusOr<std::vector<EachSubscription>> SceneSession::SubscribeEach(
   each.mutable_light_ids()->Assign(request.light_ids.begin(), request.light_ids.end());
   each.mutable_receiver_ids()->Assign(request.receiver_ids.begin(), request.receiver_ids.end());
   each.set_initial_credit(kInitialCredit);
+  if (auto status = connection_.CheckFits(message, "subscribe_each"); !status.ok()) return status;
   const auto answer = std::make_shared<Answer>();
   answer->params = request.params;
   answer->points = request.points;

@@ -12,13 +12,15 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/session/mirrored_scene.h"
+#include "client/session/presence.h"
 #include "client/session/reading_turns.h"
 #include "client/session/remote_subscriber.h"
+#include "client/session/session_parts.h"
+#include "client/session/session_presence.h"
 #include "penumbra/v1/service.grpc.pb.h"
 #include "render/engine/engine.h"
 
@@ -28,9 +30,11 @@ class ServerConnection;
 
 class SceneSession : public std::enable_shared_from_this<SceneSession> {
  public:
+  using Entry = SessionEntry;
   // Errors  kNotFound: no such scene; kFailedPrecondition VERSION; kUnavailable
-  static absl::StatusOr<std::shared_ptr<SceneSession>> Open(ServerConnection& connection,
-                                                            const std::string& scene_id);
+  static absl::StatusOr<std::shared_ptr<SceneSession>> Open(
+      ServerConnection& connection, const std::string& scene_id,
+      const std::optional<Entry>& entry = std::nullopt);
   ~SceneSession();
 
   absl::StatusOr<Revision> Commit(const SceneDelta& delta);
@@ -41,9 +45,15 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   absl::Status ReportView(const std::optional<View>& view);
   absl::StatusOr<std::vector<EachSubscription>> SubscribeEach(const EachRequest& request,
                                                               RemoteEngine::EachCallback callback);
+  // Lets the user be seen, on another connection where there is one already.
+  // Errors  kAlreadyExists ALREADY_PRESENT; what has ended the session
+  absl::Status Enter(const Entry& entry);
+  std::shared_ptr<SessionPresence> presence() const;  // null: the user is not seen
+  absl::Status ControlEditing(const v1::EditControl& control);
+  // The end of `presence`, from its owner: others see it gone, and the session goes on without.
+  void Leave(const std::shared_ptr<SessionPresence>& presence);
   // The end of a subscription, from its owner.
   void Unsubscribe(RemoteSubscriber& subscriber);
-
   bool has_ended() const { return has_ended_; }
   // Cancels the stream: what is under way ends with `reason`. Does not wait.
   void End(const absl::Status& reason);
@@ -51,40 +61,23 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   void Join();
 
  private:
-  struct Link {           // one connection's share of the session
-    uint64_t number = 0;  // counts up
-    grpc::ClientContext context{};
-    std::unique_ptr<grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>> stream{};
-  };
-  struct Followed {  // a subscription, which goes on on the next link
-    std::shared_ptr<RemoteSubscriber> subscriber;
-    ArtifactSpec spec;
-  };
-
-  struct Answer {  // what a caller waits for
-    bool is_here = false;
-    v1::SessionRequest request;  // to be sent again on another link
-    uint64_t link = 0;           // that it was last sent on; guarded by write_mutex_
-    absl::Status status;
-    Revision revision = 0;
-    SceneDelta delta;  // a commit's, for the mirror
-    // Of a SubscribeEach: what the subscriptions are made from, and those made.
-    TechniqueParams params;
-    std::optional<PointReceiver> points;
-    RemoteEngine::EachCallback each;
-    double asked_ms = 0.0;
-    std::vector<std::pair<ArtifactSpec, std::shared_ptr<RemoteSubscriber>>> made;
-  };
+  using Link = SessionLink;
+  using Followed = FollowedSubscription;
+  using Answer = SessionAnswer;
   using Answers = std::map<uint64_t, std::shared_ptr<Answer>>;
 
   // Updates under way at a time: enough that none waits for a round trip, few enough that a slow
   // callback soon makes the server skip.
   static constexpr uint32_t kInitialCredit = 4;
 
-  SceneSession(ServerConnection& connection, const std::string& scene_id);
+  SceneSession(ServerConnection& connection, const std::string& scene_id,
+               const std::optional<Entry>& entry);
 
   absl::Status Greet();
   absl::StatusOr<Revision> TryCommit(const SceneDelta& delta);
+  absl::StatusOr<Revision> CommitOnce(const SceneDelta& delta, v1::SessionRequest& request);
+  std::shared_ptr<SessionPresence> MakePresence(const Entry& entry);
+  absl::Status Named(const absl::Status& error) const;  // people by their names
   absl::Status Upload(const SceneDelta& delta, const Scene& known);
   // False: it is not on its way. On one link only, if any.
   bool Send(const v1::SessionRequest& request, bool more_follows = false,
@@ -95,10 +88,14 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
 
   std::shared_ptr<Link> OpenLink();
   bool MayResume(const absl::Status& reason) const;
+  bool IsOutdated(const Link& link) const;
   bool Reconnect(const absl::Status& lost);
+  bool BeginReconnecting();
+  void Begin(Link& link);
   absl::Status Resume(const std::shared_ptr<Link>& link);
   bool ReadWelcome(const std::shared_ptr<Link>& link);
   void SendAgain(const std::shared_ptr<Link>& link);
+  void ResumePresence(Link& link);
   bool WaitToTryAgain(double seconds);
   void Tell(ConnectionEvent::Kind kind, const absl::Status& reason, int attempts,
             bool missed_nothing = false) const;
@@ -113,6 +110,8 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   void Receive(const v1::SubscriptionEnded& ended);
   void Receive(const v1::ArtifactUpdate& update);
   void Receive(const v1::SessionError& error);
+  void Receive(const v1::EditControlResult& result);
+  void Receive(const v1::PresenceUpdate& update);
   void MakeSubscribers(const v1::SubscribeEachResult& result, Answer& answer);
   void DropEach(uint64_t first, uint64_t count);
   void EndAll(const absl::Status& ended);
@@ -142,8 +141,9 @@ class SceneSession : public std::enable_shared_from_this<SceneSession> {
   uint64_t next_id_ = 1;
   Answers commits_;
   Answers subscribes_;
+  Answers controls_;
+  std::shared_ptr<SessionPresence> presence_;
   std::map<uint64_t, Followed> subscribers_;
-
   ReadingTurns turns_;
 };
 

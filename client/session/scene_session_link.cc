@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <random>
 #include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/session/backoff.h"
 #include "client/session/call_status.h"
 #include "client/session/channel_credentials.h"
 #include "client/session/scene_session.h"
@@ -15,6 +15,7 @@
 #include "proto/convert/geometry_convert.h"
 #include "proto/convert/spec_convert.h"
 #include "render/scene/field_error.h"
+#include "render/scene/retry_delay.h"
 
 namespace penumbra {
 namespace {
@@ -24,17 +25,12 @@ constexpr uint32_t kProtocolVersion = 1;
 constexpr double kFirstWaitS = 0.1;
 constexpr double kLongestWaitS = 5.0;
 
-// Between half of it and all of it, so that those who lost a server together do not come back
-// together.
-double Jittered(double seconds) {
-  static thread_local std::minstd_rand random(std::random_device{}());
-  return seconds * std::uniform_real_distribution<double>(0.5, 1.0)(random);
-}
-
 // The server is away, or wants less of us: a session that it let go for not reading, or one too
-// many.
+// many. gRPC's own limits are resources as well, of which there is no more later.
 bool MayPass(const absl::Status& reason) {
-  return absl::IsUnavailable(reason) || absl::IsResourceExhausted(reason);
+  if (absl::IsUnavailable(reason)) return true;
+  return absl::IsResourceExhausted(reason) &&
+         (RetryDelayMs(reason) || ErrorReason(reason) == "SLOW_CONSUMER");
 }
 
 }  // namespace
@@ -51,6 +47,11 @@ std::shared_ptr<SceneSession::Link> SceneSession::OpenLink() {
   hello.set_scene_id(scene_id_);
   hello.set_mirror_scene(true);
   hello.set_client_name(connection_.options().client_name);
+  {
+    std::lock_guard lock(mutex_);
+    link->presence = presence_;
+  }
+  if (link->presence) *hello.mutable_presence() = link->presence->said();
   mirror_.DropPieces();
   if (const auto point = mirror_.pushed_point()) {
     hello.mutable_resume()->set_incarnation(incarnation_);
@@ -60,7 +61,7 @@ std::shared_ptr<SceneSession::Link> SceneSession::OpenLink() {
   {
     std::lock_guard lock(mutex_);
     link->number = link_ ? link_->number + 1 : 1;
-    if (!end_reason_.ok()) link->context.TryCancel();
+    if (!end_reason_.ok() || IsOutdated(*link)) link->context.TryCancel();
     link_ = link;
   }
   link->stream->Write(request);
@@ -69,40 +70,57 @@ std::shared_ptr<SceneSession::Link> SceneSession::OpenLink() {
 
 bool SceneSession::MayResume(const absl::Status& reason) const {
   std::lock_guard lock(mutex_);
-  return is_welcome_ && end_reason_.ok() && connection_.options().reconnect_for_s > 0 &&
-         MayPass(reason);
+  if (!is_welcome_ || !end_reason_.ok() || !MayPass(reason)) return false;
+  return connection_.options().reconnect_for_s > 0 || IsOutdated(*link_);
 }
 
-// On the reader's turn. True: there is another link, and everything goes on on it.
+// On the reader's turn. True: there is another link, and everything goes on on it. One that is
+// wanted because of who is to be seen is opened at once, and not spoken of.
 bool SceneSession::Reconnect(const absl::Status& lost) {
-  {
-    std::lock_guard lock(mutex_);
-    is_connected_ = false;
-    changed_.notify_all();
-  }
-  Tell(ConnectionEvent::Kind::kLost, lost, 0);
+  const bool is_wanted = BeginReconnecting();
+  if (!is_wanted) Tell(ConnectionEvent::Kind::kLost, lost, 0);
   const double give_up_ms = NowMs() + 1e3 * connection_.options().reconnect_for_s;
   absl::Status reason = lost;
   int attempts = 0;
-  for (double wait = kFirstWaitS; NowMs() < give_up_ms; wait = std::min(2 * wait, kLongestWaitS)) {
-    if (!WaitToTryAgain(Jittered(wait))) return false;
+  double wait = is_wanted ? 0.0 : kFirstWaitS;
+  do {
+    const double asked_ms = RetryDelayMs(reason).value_or(0);
+    // Whoever is told to come back later than that need not wait to give up.
+    if (asked_ms > 0 && NowMs() + asked_ms > give_up_ms) break;
+    if (!WaitToTryAgain(std::max(Jittered(wait), JitteredAfter(1e-3 * asked_ms)))) return false;
     ++attempts;
     const auto link = OpenLink();
     const absl::Status resumed = Resume(link);
     if (resumed.ok()) {
+      if (is_wanted) return true;
       Tell(ConnectionEvent::Kind::kRestored, absl::OkStatus(), attempts,
            response_.welcome().is_resumed());
       return true;
     }
     reason = resumed;
     if (!MayPass(resumed)) break;
-  }
+    wait = std::clamp(2 * wait, kFirstWaitS, kLongestWaitS);
+  } while (NowMs() < give_up_ms);
   {
     std::lock_guard lock(mutex_);
     if (end_reason_.ok()) end_reason_ = reason;
   }
   Tell(ConnectionEvent::Kind::kGivenUp, reason, attempts);
   return false;
+}
+
+bool SceneSession::BeginReconnecting() {
+  const auto presence = link_->presence;
+  bool is_wanted = false;
+  {
+    std::lock_guard lock(mutex_);
+    is_wanted = IsOutdated(*link_);
+    is_connected_ = false;
+    changed_.notify_all();
+  }
+  // This turn to read may last long.
+  if (presence && presence->Lose()) turns_.PostAtOnce([presence] { presence->Deliver(); });
+  return is_wanted;
 }
 
 absl::Status SceneSession::Resume(const std::shared_ptr<Link>& link) {
@@ -117,6 +135,7 @@ absl::Status SceneSession::Resume(const std::shared_ptr<Link>& link) {
                                    "', which is another scene by now, need "
                                    "the one that was opened"));
   }
+  Begin(*link);
   // Not on the reader's turn: the server may wait for us to read before it reads all of this.
   turns_.Post([this, link] { SendAgain(link); });
   turns_.Post([this] { mirror_.CatchUp(); });
@@ -152,6 +171,7 @@ bool SceneSession::ReadWelcome(const std::shared_ptr<Link>& link) {
 // else sends anything on this link.
 void SceneSession::SendAgain(const std::shared_ptr<Link>& link) {
   std::lock_guard writing(write_mutex_);
+  ResumePresence(*link);
   std::map<uint64_t, v1::SessionRequest> requests;
   v1::SessionRequest report;
   report.mutable_view_report();
@@ -169,9 +189,11 @@ void SceneSession::SendAgain(const std::shared_ptr<Link>& link) {
       if (answer->request.has_subscribe_each()) requests[id] = answer->request;
       answer->link = link->number;
     }
-    for (const auto& [id, answer] : commits_) {
-      requests[id] = answer->request;
-      answer->link = link->number;
+    for (const Answers* answers : {&commits_, &controls_}) {
+      for (const auto& [id, answer] : *answers) {
+        requests[id] = answer->request;
+        answer->link = link->number;
+      }
     }
     if (view_) *report.mutable_view_report()->mutable_camera() = ToProto(*view_);
   }

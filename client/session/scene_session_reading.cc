@@ -1,5 +1,7 @@
 // The reader's half of SceneSession: what the server says.
 
+#include <functional>
+#include <string>
 #include <utility>
 
 #include "client/session/call_status.h"
@@ -15,6 +17,24 @@ namespace {
 // Updates of revisions older than these are not worth timing.
 constexpr size_t kHeardRevisions = 64;
 
+// By one request; more than servers allow. A message has room for ids that make billions of pairs.
+constexpr uint64_t kMostOfEach = uint64_t{1} << 16;
+
+absl::Status CheckSize(const v1::SubscribeEachResult& result) {
+  const uint64_t pairs = static_cast<uint64_t>(result.light_ids_size()) *
+                         static_cast<uint64_t>(result.receiver_ids_size());
+  if (pairs <= kMostOfEach) return absl::OkStatus();
+  return absl::DataLossError("the server tells of " + std::to_string(pairs) +
+                             " subscriptions by one request, need at most " +
+                             std::to_string(kMostOfEach));
+}
+
+std::function<void()> Teller(const RemoteEngineOptions& options, const v1::ComputeQuota& quota) {
+  return [tell = options.on_compute_quota, status = FromProto(quota.error())] {
+    if (tell) tell(status);
+  };
+}
+
 }  // namespace
 
 bool SceneSession::ReadOne() {
@@ -26,7 +46,10 @@ bool SceneSession::ReadOne() {
     return false;
   }
   Dispatch();
-  if (response_.has_welcome()) incarnation_ = response_.welcome().incarnation();
+  if (response_.has_welcome()) {
+    incarnation_ = response_.welcome().incarnation();
+    Begin(link);
+  }
   std::lock_guard lock(mutex_);
   is_welcome_ = is_welcome_ || response_.has_welcome();
   const bool is_awaited = !response_.has_artifact_update();
@@ -60,9 +83,15 @@ void SceneSession::Dispatch() {
     case v1::SessionResponse::kSessionError:
       Receive(response_.session_error());
       break;
-    case v1::SessionResponse::kWelcome:
     case v1::SessionResponse::kPresenceUpdate:
+      Receive(response_.presence_update());
+      break;
     case v1::SessionResponse::kEditControlResult:
+      Receive(response_.edit_control_result());
+      break;
+    case v1::SessionResponse::kComputeQuota:
+      return turns_.Post(Teller(connection_.options(), response_.compute_quota()));
+    case v1::SessionResponse::kWelcome:
     case v1::SessionResponse::kUpdatesSkipped:
     case v1::SessionResponse::RESPONSE_NOT_SET:
       break;
@@ -120,6 +149,7 @@ void SceneSession::Receive(const v1::SubscribeResult& result) {
 }
 
 void SceneSession::Receive(const v1::SubscribeEachResult& result) {
+  if (auto status = CheckSize(result); !status.ok()) return End(status);
   std::unique_lock lock(mutex_);
   const auto found = subscribes_.find(result.first_subscription_id());
   if (found == subscribes_.end()) {
@@ -196,24 +226,28 @@ void SceneSession::Receive(const v1::ArtifactUpdate& update) {
 }
 
 // The request that the server could not read is the oldest one that has no answer: it answers in
-// order. Acknowledgements and credits that cross the end of a subscription want no answer.
+// order. Acknowledgements, credits and presence that cross the end of what they are about want no
+// answer. A hello that is refused is answered so too, and the server waits for another.
 void SceneSession::Receive(const v1::SessionError& error) {
   const absl::Status status = FromProto(error.error());
-  if (ErrorFieldPath(status) == "subscription_id") return;
+  const std::string path = ErrorFieldPath(status);
+  if (path == "subscription_id" || path.starts_with("presence")) return;
+  if (path.starts_with("hello.")) return End(status);
   std::lock_guard lock(mutex_);
-  Answers* answers = commits_.empty() ? &subscribes_ : &commits_;
-  if (!commits_.empty() && !subscribes_.empty() &&
-      subscribes_.begin()->first < commits_.begin()->first) {
-    answers = &subscribes_;
+  Answers* oldest = nullptr;
+  for (Answers* answers : {&commits_, &subscribes_, &controls_}) {
+    if (answers->empty()) continue;
+    if (!oldest || answers->begin()->first < oldest->begin()->first) oldest = answers;
   }
-  if (answers->empty()) return;
-  answers->begin()->second->status = status;
-  answers->begin()->second->is_here = true;
-  answers->erase(answers->begin());
+  if (!oldest) return;
+  oldest->begin()->second->status = status;
+  oldest->begin()->second->is_here = true;
+  oldest->erase(oldest->begin());
 }
 
 void SceneSession::EndAll(const absl::Status& ended) {
   std::map<uint64_t, Followed> subscribers;
+  std::shared_ptr<SessionPresence> presence;
   absl::Status reason;
   {
     std::lock_guard lock(mutex_);
@@ -223,9 +257,14 @@ void SceneSession::EndAll(const absl::Status& ended) {
     subscribers = std::exchange(subscribers_, {});
     commits_.clear();
     subscribes_.clear();
+    controls_.clear();
+    presence = presence_;
     changed_.notify_all();
   }
   mirror_.Stop();
+  if (presence && presence->ReceiveEnd(reason)) {
+    turns_.Post([presence] { presence->Deliver(); });
+  }
   for (const auto& [id, followed] : subscribers) {
     if (followed.subscriber->ReceiveEnd(reason)) PostDelivery(followed.subscriber);
   }

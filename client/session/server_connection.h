@@ -19,6 +19,7 @@
 namespace penumbra {
 
 class SceneSession;
+struct SessionEntry;
 
 class ServerConnection {
  public:
@@ -30,11 +31,24 @@ class ServerConnection {
   BlobTransfer& blobs() { return *blobs_; }
   // Of one message to the server.
   size_t max_message_bytes() const { return max_message_bytes_; }
+  // What is much larger ends a session, and would end the next one. `field`, and what else there is
+  // to say, are for whoever has made the request.
+  //
+  // Errors  kResourceExhausted QUOTA_MESSAGE
+  absl::Status CheckFits(const v1::SessionRequest& request, const char* field,
+                         const char* hint = "") const;
+
+  const PresenceLimits& presence_limits() const { return presence_limits_; }
 
   // The session of the scene; opens one where there is none, or none that lives.
   //
   // Errors  kNotFound: no such scene; kUnavailable
   absl::StatusOr<std::shared_ptr<SceneSession>> SessionOf(const std::string& scene_id);
+  // Likewise, with the user to be seen on it.
+  //
+  // Errors  those of SceneSession::Enter
+  absl::StatusOr<std::shared_ptr<SceneSession>> EnteredSessionOf(const std::string& scene_id,
+                                                                 const SessionEntry& entry);
   // The session that is open on the scene, or null. Opens none.
   std::shared_ptr<SceneSession> FindSession(const std::string& scene_id);
   // Ends a session whose scene is gone: what is under way ends with kNotFound, and the next
@@ -64,12 +78,15 @@ class ServerConnection {
   std::chrono::system_clock::time_point DeadlineFor(uint64_t bytes) const;
   absl::Status AskForInfo(v1::GetServerInfoResponse& info);
   absl::Status Greet();
+  // With mutex_ locked; null: there is none.
+  std::shared_ptr<SceneSession> LivingSession(const std::string& scene_id);
 
   const RemoteEngineOptions options_;
   const std::shared_ptr<grpc::ChannelCredentials> credentials_;
   std::unique_ptr<v1::PenumbraService::Stub> stub_;
   std::unique_ptr<BlobTransfer> blobs_;
   size_t max_message_bytes_ = size_t{1} << 20;  // unless the server tells another one
+  PresenceLimits presence_limits_;              // likewise
 
   std::mutex mutex_;  // of the sessions; held while one is being opened
   std::map<std::string, std::shared_ptr<SceneSession>> sessions_;

@@ -128,7 +128,9 @@ absl::Status ArtifactAssembler::FinishPayload() {
 absl::StatusOr<ArtifactUpdate> ArtifactAssembler::Finish(const v1::ArtifactUpdate& message) {
   sequence_ = message.update_sequence();
   if (message.has_error()) {
-    return ArtifactUpdate{revision_, FromProto(message.error()), nullptr};
+    absl::Status error = FromProto(message.error());
+    if (error.ok()) return Incomplete("found an error whose code is that of none, need one");
+    return ArtifactUpdate{revision_, std::move(error), nullptr};
   }
   if (next_) {
     if (auto status = FinishPayload(); !status.ok()) return status;

@@ -153,6 +153,15 @@ LdiTiles::LdiTiles(const AttenuationLdi& ldi) : sample_count_(ldi.sample_count) 
 
 LdiTiles::LdiTiles(const AttenuationLdi& ldi, const LdiTiles& before) : LdiTiles(before) {
   sample_count_ = ldi.sample_count;
+  if (sample_count_ >= before.sample_count_) return;
+  for (Face& face : faces_) {
+    for (auto& tile : face.tiles) {
+      const auto is_above = [this](uint16_t count) { return count > sample_count_; };
+      if (!tile || std::ranges::none_of(tile->counts, is_above)) continue;
+      layers_ -= tile->depths.size();
+      tile = nullptr;
+    }
+  }
 }
 
 absl::Status LdiTiles::Add(const v1::LdiTile& proto) {
@@ -168,7 +177,15 @@ absl::Status LdiTiles::Add(const v1::LdiTile& proto) {
   auto tile = std::make_shared<Tile>();
   tile->layers.resize(RectOf(face.width, face.height, proto.column(), proto.row()).pixels());
   if (auto status = Read(proto, face.from_infinity, *tile); !status.ok()) return status;
-  face.tiles[size_t{proto.row()} * face.columns + proto.column()] = std::move(tile);
+  auto& place = face.tiles[size_t{proto.row()} * face.columns + proto.column()];
+  const uint64_t layers = layers_ + tile->depths.size() - (place ? place->depths.size() : 0);
+  if (layers > kMaxMapLayers) {
+    return Invalid("RANGE", "ldi_tile.layers",
+                   "found " + std::to_string(layers) + " of all tiles so far, need at most " +
+                       std::to_string(kMaxMapLayers));
+  }
+  layers_ = layers;
+  place = std::move(tile);
   return absl::OkStatus();
 }
 

@@ -22,6 +22,8 @@ namespace penumbra {
 // Pixels. A tile in which each has 128 layers takes 790 KB, which fits into a message.
 inline constexpr uint32_t kLdiTileSide = 32;
 inline constexpr uint32_t kMaxTileLayers = 128;  // a pixel
+// Of a map: 1.6 GB, half as much again as servers make.
+inline constexpr uint64_t kMaxMapLayers = uint64_t{1} << 28;
 
 struct LdiTilePlace {
   uint32_t face, column, row;
@@ -52,7 +54,8 @@ class LdiTiles {
   // None of the tiles of `ldi`, whose layers are not looked at, is here yet.
   explicit LdiTiles(const AttenuationLdi& ldi);
 
-  // All tiles of `before`, of a map with the same faces.
+  // All tiles of `before`, of a map with the same faces, but for those whose counts are out of more
+  // samples than there are now.
   LdiTiles(const AttenuationLdi& ldi, const LdiTiles& before);
 
   // Puts a tile in the place of what was there.
@@ -81,6 +84,7 @@ class LdiTiles {
 
   uint32_t sample_count_;
   std::vector<Face> faces_;
+  uint64_t layers_ = 0;  // of all tiles
 };
 
 }  // namespace penumbra

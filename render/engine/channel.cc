@@ -9,12 +9,17 @@
 
 namespace penumbra {
 
-Channel::Channel(ArtifactSpec spec, const Technique& technique, const JobResources& resources,
-                 std::shared_ptr<SceneMemory> scene_memory)
+Channel::Channel(const std::string& scene_id, ArtifactSpec spec, const Technique& technique,
+                 const JobResources& resources, std::shared_ptr<SceneMemory> scene_memory)
     : spec_(std::move(spec)),
+      slot_(absl::StrCat(scene_id, " ", SpecKey(spec_))),
       technique_(technique),
       resources_(resources),
-      memory_{.budget = resources.kept, .of_scene = std::move(scene_memory)} {}
+      memory_{.budget = resources.kept, .of_scene = std::move(scene_memory)} {
+  ++*resources_.channels;
+}
+
+Channel::~Channel() { --*resources_.channels; }
 
 void Channel::Add(std::shared_ptr<Subscriber> subscriber, std::shared_ptr<const Scene> scene) {
   std::lock_guard lock(mutex_);
@@ -22,8 +27,21 @@ void Channel::Add(std::shared_ptr<Subscriber> subscriber, std::shared_ptr<const 
   subscribers_.push_back(std::move(subscriber));
   if (head_) return;
   head_ = std::move(scene);
+  if (PublishKnown()) return;
   NoteWanted();
   Enqueue();
+}
+
+bool Channel::PublishKnown() try {
+  if (!resources_.results.is_on()) return false;
+  const auto key = resources_.results.KeyOf(*head_, spec_);
+  auto known = key ? resources_.results.FindInMemory(*key) : nullptr;
+  if (!known) return false;
+  ++resources_.counters.artifacts_published;
+  Publish({head_->revision(), absl::OkStatus(), AsComputedOn(*head_, std::move(known))});
+  return true;
+} catch (const std::bad_alloc&) {
+  return false;
 }
 
 bool Channel::Remove(const Subscriber* subscriber) {
@@ -34,6 +52,26 @@ bool Channel::Remove(const Subscriber* subscriber) {
   }
   End(absl::OkStatus());
   return true;
+}
+
+void Channel::Join(const Party& party) {
+  std::lock_guard lock(mutex_);
+  if (++joined_[party] == 1) ShareAmongParties();
+}
+
+void Channel::Leave(const Party& party) {
+  std::lock_guard lock(mutex_);
+  const auto joined = joined_.find(party);
+  if (joined == joined_.end() || --joined->second > 0) return;
+  joined_.erase(joined);
+  ShareAmongParties();
+}
+
+void Channel::ShareAmongParties() {
+  auto parties = std::make_shared<Parties>();
+  for (const auto& [party, count] : joined_) parties->push_back(party);
+  parties_ = std::move(parties);
+  if (queued_) resources_.jobs.Change(*this, Whom());
 }
 
 void Channel::OnCommit(std::shared_ptr<const Scene> after, SceneChange& change) {
@@ -71,6 +109,7 @@ void Channel::End(const absl::Status& reason) {
     std::lock_guard lock(mutex_);
     if (!ended_ && !reason.ok()) Publish({head_->revision(), reason, nullptr});
     ended_ = true;
+    if (std::exchange(queued_, false)) resources_.jobs.Remove(*this);
     if (job_) stop = job_->stop;
   }
   if (stop) stop->request_stop();
@@ -88,7 +127,7 @@ void Channel::NoteWanted() {
 void Channel::Enqueue() {
   queued_ = true;
   queued_ms_ = NowMs();
-  resources_.jobs.Add(shared_from_this());
+  resources_.jobs.Add(shared_from_this(), Whom(), last_job_ms_);
 }
 
 void Channel::Publish(ArtifactUpdate update) {
@@ -101,13 +140,13 @@ void Channel::PublishLast(ArtifactUpdate update) {
   newest_ = std::move(update);
 }
 
-void Channel::RunJob() {
+double Channel::Run() {
   std::shared_ptr<const Scene> scene;
   std::stop_token stop;
   {
     std::lock_guard lock(mutex_);
     queued_ = false;
-    if (ended_) return;
+    if (ended_) return 0;
     const double now_ms = NowMs();
     Job& job = job_.emplace(
         Job{.scene = head_,
@@ -120,13 +159,40 @@ void Channel::RunJob() {
     stop = job.stop.get_token();
   }
   ++resources_.counters.jobs_started;
-  auto result = Compute(*scene, stop);
+  bool was_known = false;
+  auto result = FindOrCompute(*scene, stop, was_known);
   JobReport report;
   {
     std::lock_guard lock(mutex_);
+    job_->report.was_known = was_known;
     report = Finish(*std::exchange(job_, std::nullopt), std::move(result));
   }
   if (resources_.on_job) resources_.on_job(report);
+  return report.computed_ms;
+}
+
+absl::StatusOr<std::shared_ptr<const Artifact>> Channel::FindOrCompute(const Scene& scene,
+                                                                       std::stop_token stop,
+                                                                       bool& was_known) {
+  ResultCache& results = resources_.results;
+  std::optional<ContentHash> key;
+  try {
+    if (results.is_on()) key = results.KeyOf(scene, spec_);
+    if (auto known = key ? results.FindAnywhere(*key) : nullptr) {
+      was_known = true;
+      return AsComputedOn(scene, std::move(known));
+    }
+  } catch (const std::bad_alloc&) {
+    was_known = false;  // to compute it may take less
+  }
+  auto result = Compute(scene, std::move(stop));
+  if (!key || !result.ok() || IsWithoutGl((*result)->header)) return result;
+  try {
+    results.Keep(slot_, *key, *result);
+  } catch (const std::bad_alloc&) {
+    // It is computed again, then.
+  }
+  return result;
 }
 
 absl::StatusOr<std::shared_ptr<const Artifact>> Channel::Compute(const Scene& scene,
@@ -177,6 +243,8 @@ JobReport Channel::Finish(Job job, absl::StatusOr<std::shared_ptr<const Artifact
   EngineCounters& counters = resources_.counters;
   const double now_ms = NowMs();
   job.report.computed_ms = now_ms - job.started_ms;
+  // What a lookup takes says nothing of the next job.
+  if (!job.report.was_known) last_job_ms_ = job.report.computed_ms;
   job.report.status = result.status();
   const bool superseded_and_shown = job.superseded && job.published;
   if (ended_ || superseded_and_shown || (job.superseded && absl::IsCancelled(result.status()))) {

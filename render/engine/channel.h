@@ -10,11 +10,14 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "render/engine/engine.h"
@@ -22,6 +25,7 @@
 #include "render/engine/gl_job.h"
 #include "render/engine/job_queue.h"
 #include "render/engine/job_report.h"
+#include "render/engine/result_cache.h"
 #include "render/engine/scene_change.h"
 #include "render/engine/subscriber.h"
 #include "render/technique/technique.h"
@@ -35,26 +39,34 @@ struct JobResources {
   tbb::task_arena& arena;
   MonotonicClock now_ms;
   EngineCounters& counters;
-  MemoryBudget& kept;  // for what techniques keep between jobs
+  MemoryBudget& kept;    // for what techniques keep between jobs
+  ResultCache& results;  // outlives the channels, too
   GlWorkerSource gl_worker;
-  JobObserver on_job;  // may be null
+  JobObserver on_job;                             // may be null
+  std::shared_ptr<std::atomic<size_t>> channels;  // of the engine, counted by themselves
 };
 
-class Channel : public std::enable_shared_from_this<Channel> {
+class Channel : public QueuedJob, public std::enable_shared_from_this<Channel> {
  public:
-  Channel(ArtifactSpec spec, const Technique& technique, const JobResources& resources,
-          std::shared_ptr<SceneMemory> scene_memory);
+  Channel(const std::string& scene_id, ArtifactSpec spec, const Technique& technique,
+          const JobResources& resources, std::shared_ptr<SceneMemory> scene_memory);
+  ~Channel() override;
 
-  // The first subscriber starts the first job. Later ones get the newest artifact at once.
+  // The first subscriber starts the first job, unless the artifact is known. Later ones get the
+  // newest artifact at once.
   void Add(std::shared_ptr<Subscriber> subscriber, std::shared_ptr<const Scene> scene);
-  // Whether it was the last one; then the running job is cancelled.
+  // Whether it was the last one; then the job that waits or runs is cancelled.
   bool Remove(const Subscriber* subscriber);
+
+  // Whom its jobs are done for (party.h).
+  void Join(const Party& party);
+  void Leave(const Party& party);
 
   // Calls come in the order of the commits.
   void OnCommit(std::shared_ptr<const Scene> after, SceneChange& change);
 
   // How much of people's pictures the receiver fills, all together: jobs of larger ones run first.
-  double viewed_share() const { return viewed_share_; }
+  double viewed_share() const override { return viewed_share_; }
   void SetViewedShare(double share) { viewed_share_ = share; }
   const ArtifactSpec& spec() const { return spec_; }
   // Whether a job waits for a thread, and whether one runs.
@@ -65,9 +77,9 @@ class Channel : public std::enable_shared_from_this<Channel> {
   Load load();
 
   // Computes for the newest scene; by the job queue alone.
-  void RunJob();
+  double Run() override;
 
-  // Cancels the running job and says `reason`, if it is an error, to all subscribers as the last
+  // Cancels the job and says `reason`, if it is an error, to all subscribers as the last
   // word.
   void End(const absl::Status& reason);
 
@@ -88,14 +100,21 @@ class Channel : public std::enable_shared_from_this<Channel> {
   double NowMs() const { return resources_.now_ms ? resources_.now_ms() : 0; }
   void NoteWanted();  // with the lock held, as for all of these
   void Enqueue();
+  JobFor Whom() const { return {head_->id(), parties_}; }
+  void ShareAmongParties();
   void Publish(ArtifactUpdate update);
   void PublishLast(ArtifactUpdate update);  // as the last thing that a job does
   JobReport Finish(Job job, absl::StatusOr<std::shared_ptr<const Artifact>> result);
 
   void OnPass(Artifact artifact);
+  bool PublishKnown();  // with the lock held
+  absl::StatusOr<std::shared_ptr<const Artifact>> FindOrCompute(const Scene& scene,
+                                                                std::stop_token stop,
+                                                                bool& was_known);
   absl::StatusOr<std::shared_ptr<const Artifact>> Compute(const Scene& scene, std::stop_token stop);
 
   const ArtifactSpec spec_;
+  const std::string slot_;  // of results
   const Technique& technique_;
   const JobResources resources_;
   std::atomic<double> viewed_share_ = 0;
@@ -104,13 +123,16 @@ class Channel : public std::enable_shared_from_this<Channel> {
   std::shared_ptr<const Scene> head_;
   KnownShadowRegion region_;
   std::vector<std::shared_ptr<Subscriber>> subscribers_;
-  std::optional<ArtifactUpdate> newest_;  // last published
-  bool newest_is_stale_ = false;          // a commit has affected it since
+  std::map<Party, size_t> joined_;          // how often
+  std::shared_ptr<const Parties> parties_;  // of joined_; null: none
+  std::optional<ArtifactUpdate> newest_;    // last published
+  bool newest_is_stale_ = false;            // a commit has affected it since
   bool queued_ = false;
   bool ended_ = false;
   double queued_ms_ = 0;
   std::optional<double> wanted_ms_;  // the oldest change that no job has begun to answer
   std::optional<Job> job_;           // the one that runs
+  double last_job_ms_ = 0;           // what the one before took; 0: there was none
   TechniqueMemory memory_;           // the running job's
 };
 

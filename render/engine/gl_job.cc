@@ -51,6 +51,8 @@ absl::StatusOr<Artifact> RunOn(gl::Worker& worker, const Technique& technique, c
 
 }  // namespace
 
+bool IsWithoutGl(const ArtifactHeader& header) { return header.parameters.contains(kWithoutGl); }
+
 absl::StatusOr<Artifact> ComputeOnGl(const Technique& technique, const Scene& scene,
                                      const ArtifactSpec& spec, const ComputeContext& context,
                                      const GlWorkerSource& worker_source) {

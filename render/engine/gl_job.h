@@ -24,4 +24,7 @@ absl::StatusOr<Artifact> ComputeOnGl(const Technique& technique, const Scene& sc
                                      const ArtifactSpec& spec, const ComputeContext& context,
                                      const GlWorkerSource& worker_source);
 
+// Whether the CPU computed what GL should have.
+bool IsWithoutGl(const ArtifactHeader& header);
+
 }  // namespace penumbra

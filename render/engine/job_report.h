@@ -21,6 +21,7 @@ struct JobReport {
   std::string_view technique;  // its name, which lives as long as the program
   Outcome outcome = Outcome::kFinished;
   absl::Status status;
+  bool was_known = false;  // the artifact was found, not computed
   double waited_ms = 0;    // for a thread
   double computed_ms = 0;  // from the thread's start to the last artifact or error
   // From the oldest commit, or subscription, that the job answers to its first and to its final

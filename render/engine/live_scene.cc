@@ -5,9 +5,13 @@
 #include "absl/strings/str_cat.h"
 #include "render/engine/scene_change.h"
 #include "render/scene/field_error.h"
+#include "render/scene/retry_delay.h"
 
 namespace penumbra {
 namespace {
+
+// Until others may have gone, and with them their artifacts.
+constexpr double kRoomMayComeMs = 1'000;
 
 absl::Status SceneHasEnded(const Scene& scene) {
   return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
@@ -56,26 +60,57 @@ void LiveScene::MakeHead(const Scene& before, std::shared_ptr<const Scene> after
   if (!delta.upsert_receivers.empty()) ShareViews();
 }
 
+absl::StatusOr<std::shared_ptr<Channel>> LiveScene::MakeChannel(const ArtifactSpec& spec,
+                                                                const Technique& technique,
+                                                                const JobResources& resources,
+                                                                const ChannelLimits& limits) {
+  if (channels_.size() >= limits.of_scene) {
+    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_ARTIFACTS", "spec",
+                      absl::StrCat("found ", channels_.size(),
+                                   " different artifacts subscribed to, need at most ",
+                                   limits.of_scene, " a scene"));
+  }
+  auto channel = std::make_shared<Channel>(Snapshot()->id(), spec, technique, resources, memory_);
+  if (const size_t count = *resources.channels; count > limits.in_all) {
+    return WithRetryDelay(
+        FieldError(
+            absl::StatusCode::kResourceExhausted, "QUOTA_ARTIFACTS", "spec",
+            absl::StrCat("found ", count, " different artifacts with this one, need at most ",
+                         limits.in_all, " of all scenes")),
+        kRoomMayComeMs);
+  }
+  return channel;
+}
+
 absl::Status LiveScene::Subscribe(const ArtifactSpec& spec, const Technique& technique,
-                                  const JobResources& resources, size_t max_channels,
-                                  std::shared_ptr<Subscriber> subscriber) {
+                                  const JobResources& resources, const ChannelLimits& limits,
+                                  std::shared_ptr<Subscriber> subscriber, const Party* party) {
   std::lock_guard order(order_mutex_);
   if (ended_) return SceneHasEnded(*Snapshot());
   const std::string key = SpecKey(spec);
   auto found = channels_.find(key);
   if (found == channels_.end()) {
-    if (channels_.size() >= max_channels) {
-      return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_ARTIFACTS", "spec",
-                        absl::StrCat("found ", channels_.size(),
-                                     " different artifacts subscribed to, need at most ",
-                                     max_channels, " a scene"));
-    }
-    auto channel = std::make_shared<Channel>(spec, technique, resources, memory_);
-    found = channels_.emplace(key, std::move(channel)).first;
+    auto channel = MakeChannel(spec, technique, resources, limits);
+    if (!channel.ok()) return channel.status();
+    found = channels_.emplace(key, *std::move(channel)).first;
   }
-  ShareViews(*found->second, *Snapshot());
-  found->second->Add(std::move(subscriber), Snapshot());
+  Channel& channel = *found->second;
+  ShareViews(channel, *Snapshot());
+  if (party) channel.Join(*party);
+  channel.Add(std::move(subscriber), Snapshot());
   return absl::OkStatus();
+}
+
+void LiveScene::Join(const ArtifactSpec& spec, const Party& party) {
+  std::lock_guard order(order_mutex_);
+  const auto found = channels_.find(SpecKey(spec));
+  if (found != channels_.end()) found->second->Join(party);
+}
+
+void LiveScene::Leave(const ArtifactSpec& spec, const Party& party) {
+  std::lock_guard order(order_mutex_);
+  const auto found = channels_.find(SpecKey(spec));
+  if (found != channels_.end()) found->second->Leave(party);
 }
 
 void LiveScene::Unsubscribe(const ArtifactSpec& spec, const Subscriber* subscriber) {

@@ -29,11 +29,19 @@ class LiveScene {
   // Errors  kNotFound: the scene has ended; kAborted: there is another head by now
   absl::Status Publish(std::shared_ptr<const Scene> after, const SceneDelta& delta);
 
-  // Errors  kNotFound: the scene has ended; kResourceExhausted: it follows `max_channels` specs
+  // How many different specs may be followed.
+  struct ChannelLimits {
+    size_t of_scene;
+    size_t in_all;
+  };
+  // `party` may be null. Errors  kNotFound: the scene has ended; kResourceExhausted QUOTA_ARTIFACTS
   absl::Status Subscribe(const ArtifactSpec& spec, const Technique& technique,
-                         const JobResources& resources, size_t max_channels,
-                         std::shared_ptr<Subscriber> subscriber);
+                         const JobResources& resources, const ChannelLimits& limits,
+                         std::shared_ptr<Subscriber> subscriber, const Party* party);
   void Unsubscribe(const ArtifactSpec& spec, const Subscriber* subscriber);
+  // Of a spec that is followed, see Channel; nothing where it is not.
+  void Join(const ArtifactSpec& spec, const Party& party);
+  void Leave(const ArtifactSpec& spec, const Party& party);
 
   // Errors  kNotFound: the scene has ended; kResourceExhausted: it has `max_viewers`
   absl::Status ReportView(const std::string& viewer, const std::optional<View>& view,
@@ -52,6 +60,10 @@ class LiveScene {
 
  private:
   // With the order locked, as for all that follow.
+  absl::StatusOr<std::shared_ptr<Channel>> MakeChannel(const ArtifactSpec& spec,
+                                                       const Technique& technique,
+                                                       const JobResources& resources,
+                                                       const ChannelLimits& limits);
   void MakeHead(const Scene& before, std::shared_ptr<const Scene> after, const SceneDelta& delta);
   void ShareViews(Channel& channel, const Scene& scene) const;
   void ShareViews() const;

@@ -1,6 +1,7 @@
 #include "render/engine/local_engine.h"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -18,7 +19,7 @@ int CpuThreads(const LocalEngineOptions& options) {
   return options.cpu_threads > 0 ? options.cpu_threads : tbb::info::default_concurrency();
 }
 
-class LocalSubscription : public Subscription {
+class LocalSubscription : public SharedSubscription {
  public:
   LocalSubscription(std::weak_ptr<LiveScene> scene, ArtifactSpec spec,
                     std::shared_ptr<Subscriber> subscriber)
@@ -26,6 +27,12 @@ class LocalSubscription : public Subscription {
   ~LocalSubscription() override {
     subscriber_->Close();
     if (const auto scene = scene_.lock()) scene->Unsubscribe(spec_, subscriber_.get());
+  }
+  void Join(const Party& party) override {
+    if (const auto scene = scene_.lock()) scene->Join(spec_, party);
+  }
+  void Leave(const Party& party) override {
+    if (const auto scene = scene_.lock()) scene->Leave(spec_, party);
   }
 
  private:
@@ -57,8 +64,9 @@ struct LocalEngine::Threads {
   // A picture's loops keep the threads that have entered them to its end.
   tbb::task_arena point_arena;
   WorkerPool workers;
-  JobQueue jobs{workers.lane(1)};
-  JobQueue point_jobs{workers.lane(2)};
+  JobQueue jobs;
+  JobQueue point_jobs;
+  const std::shared_ptr<std::atomic<size_t>> channels = std::make_shared<std::atomic<size_t>>(0);
 
   WorkerPool::Lane& deliveries() { return workers.lane(0); }
 
@@ -67,12 +75,15 @@ struct LocalEngine::Threads {
                     std::max(2 * CpuThreads(options), tbb::info::default_concurrency())),
         arena(CpuThreads(options)),
         point_arena(CpuThreads(options)),
-        workers({options.delivery_threads, options.runner_threads, /*for points*/ 1}) {}
+        workers({options.delivery_threads, options.runner_threads, /*for points*/ 1}),
+        jobs(workers.lane(1), options.accounts),
+        point_jobs(workers.lane(2), options.accounts) {}
 };
 
 LocalEngine::LocalEngine(LocalEngineOptions options)
     : options_(std::move(options)),
       kept_(options_.max_kept_bytes),
+      results_(options_.results),
       scenes_(std::make_unique<Scenes>()),
       threads_(std::make_unique<Threads>(options_)) {}
 
@@ -158,6 +169,19 @@ absl::Status LocalEngine::ReportView(const std::string& scene_id, const std::str
 absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::string& scene_id,
                                                                      const ArtifactSpec& spec,
                                                                      ArtifactCallback callback) {
+  return Follow(nullptr, scene_id, spec, std::move(callback));
+}
+
+absl::StatusOr<std::unique_ptr<SharedSubscription>> LocalEngine::SubscribeFor(
+    const Party& party, const std::string& scene_id, const ArtifactSpec& spec,
+    ArtifactCallback callback) {
+  return Follow(&party, scene_id, spec, std::move(callback));
+}
+
+absl::StatusOr<std::unique_ptr<SharedSubscription>> LocalEngine::Follow(const Party* party,
+                                                                        const std::string& scene_id,
+                                                                        const ArtifactSpec& spec,
+                                                                        ArtifactCallback callback) {
   auto scene = Find(scene_id);
   if (!scene.ok()) return scene.status();
   const Technique& technique = options_.technique_for(spec.params);
@@ -171,10 +195,14 @@ absl::StatusOr<std::unique_ptr<Subscription>> LocalEngine::Subscribe(const std::
                                .now_ms = options_.now_ms,
                                .counters = counters_,
                                .kept = kept_,
+                               .results = results_,
                                .gl_worker = options_.gl_worker,
-                               .on_job = options_.on_job};
+                               .on_job = options_.on_job,
+                               .channels = threads_->channels};
+  const LiveScene::ChannelLimits limits{.of_scene = options_.max_artifacts_per_scene,
+                                        .in_all = options_.max_artifacts};
   const absl::Status subscribed =
-      (*scene)->Subscribe(spec, technique, resources, options_.max_artifacts_per_scene, subscriber);
+      (*scene)->Subscribe(spec, technique, resources, limits, subscriber, party);
   if (!subscribed.ok()) return subscribed;
   return std::make_unique<LocalSubscription>(*scene, spec, std::move(subscriber));
 }

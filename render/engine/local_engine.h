@@ -19,9 +19,12 @@
 #include <string>
 #include <vector>
 
+#include "render/engine/compute_accounts.h"
 #include "render/engine/engine.h"
 #include "render/engine/engine_statistics.h"
 #include "render/engine/job_report.h"
+#include "render/engine/party.h"
+#include "render/engine/result_cache.h"
 #include "render/scene/scene_limits.h"
 #include "render/technique/technique.h"
 
@@ -39,22 +42,26 @@ struct LocalEngineOptions {
   int delivery_threads = 2;  // callbacks that run at a time
   // What techniques may keep in all to answer edits faster; 0: nothing.
   size_t max_kept_bytes = size_t{256} << 20;
+  ResultCacheOptions results{};  // final artifacts that were computed; by default none
   SceneLimits scene_limits{};
   size_t max_scenes = 256;
-  // Different artifacts (technique, parameters, light, receiver) that are followed on one scene.
-  // Each has at most one job waiting, so this times max_scenes bounds the queue.
+  // Different artifacts (technique, parameters, light, receiver) that are followed on one scene,
+  // and on all of them. Each has at most one job waiting, so these bound the queue.
   size_t max_artifacts_per_scene = 1024;
+  size_t max_artifacts = 16'384;
   size_t max_viewers_per_scene = 1024;
   MonotonicClock now_ms = nullptr;  // null: artifacts carry no timings
   // For specs that take GL. Null: they end in an error. The worker must outlive the engine, or the
   // function own it.
   std::function<absl::StatusOr<gl::Worker*>()> gl_worker = nullptr;
   JobObserver on_job = nullptr;  // told of every job that has ended; see job_report.h
+  // Null: all principals are alike. It must outlive the engine.
+  ComputeAccounts* accounts = nullptr;
   // What computes a spec; tests put their own here. It must outlive the engine.
   std::function<const Technique&(const TechniqueParams&)> technique_for = TechniqueFor;
 };
 
-class LocalEngine : public Engine {
+class LocalEngine : public Engine, public SharedEngine {
  public:
   explicit LocalEngine(LocalEngineOptions options = {});
   // Cancels all jobs and waits for them and for the callbacks that run. Subscriptions may be
@@ -79,12 +86,17 @@ class LocalEngine : public Engine {
   absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& scene_id,
                                                           const ArtifactSpec& spec,
                                                           ArtifactCallback callback) override;
+  // The same for a named party; others may join.
+  absl::StatusOr<std::unique_ptr<SharedSubscription>> SubscribeFor(
+      const Party& party, const std::string& scene_id, const ArtifactSpec& spec,
+      ArtifactCallback callback) override;
 
   // Errors, further  kResourceExhausted QUOTA_VIEWERS
   absl::Status ReportView(const std::string& scene_id, const std::string& viewer,
                           const std::optional<View>& view) override;
 
   EngineStatistics statistics() const;
+  ResultStatistics result_statistics() const { return results_.statistics(); }
   // What there is to do for each scene, in the order of their ids.
   struct SceneLoad {
     SceneInfo scene;
@@ -100,12 +112,17 @@ class LocalEngine : public Engine {
   struct Scenes;
   struct Threads;
 
+  absl::StatusOr<std::unique_ptr<SharedSubscription>> Follow(const Party* party,
+                                                             const std::string& scene_id,
+                                                             const ArtifactSpec& spec,
+                                                             ArtifactCallback callback);
   absl::StatusOr<std::shared_ptr<LiveScene>> Find(const std::string& scene_id) const;
   std::vector<std::shared_ptr<LiveScene>> All() const;
 
   const LocalEngineOptions options_;
   EngineCounters counters_;
   MemoryBudget kept_;
+  ResultCache results_;
   const std::unique_ptr<Scenes> scenes_;
   const std::unique_ptr<Threads> threads_;
 };

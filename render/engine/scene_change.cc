@@ -17,6 +17,11 @@ bool CastTheSameShadow(const Instance& a, const Instance& b) {
   return (!a.casts && !b.casts) || HaveTheSameSurface(a, b);
 }
 
+// Receivers that stand by themselves are surfaces.
+bool IsPatch(const std::shared_ptr<const Receiver>& receiver) {
+  return receiver && InstanceOf(*receiver) == nullptr;
+}
+
 bool SameLight(const Scene& before, const Scene& after, const std::string& id) {
   const auto a = before.FindLight(id);
   const auto b = after.FindLight(id);
@@ -52,7 +57,9 @@ bool SceneChange::Affects(const ArtifactSpec& spec, KnownShadowRegion& region) {
     return true;
   }
   // What lies outside of a light's reach is not told apart here, and what does not cast is seen.
-  if (InfoOf(spec.params).target != SpecTarget::kReceiver) return ChangesSurfaces();
+  if (InfoOf(spec.params).target != SpecTarget::kReceiver) {
+    return ChangesSurfaces() || ChangesPatches();
+  }
   const bool is_same_receiver = SharesReceiver(before_, after_, spec.receiver_id);
   const std::vector<Aabb>& changed = ChangedCasterBounds();
   if (is_same_receiver && changed.empty()) return false;
@@ -79,11 +86,23 @@ bool SceneChange::ChangesSurfaces() const {
   const auto changes = [&](const std::string& id) {
     const auto a = before_.FindInstance(id);
     const auto b = after_.FindInstance(id);
-    return !a || !b || (a != b && !HaveTheSameSurface(*a, *b));
+    return !a || !b || (a != b && (a->receives != b->receives || !HaveTheSameSurface(*a, *b)));
   };
   return std::any_of(delta_.upsert_instances.begin(), delta_.upsert_instances.end(),
                      [&](const Instance& instance) { return changes(instance.id); }) ||
          std::any_of(delta_.remove_instances.begin(), delta_.remove_instances.end(), changes);
+}
+
+bool SceneChange::ChangesPatches() const {
+  const auto changes = [&](const std::string& id) {
+    const auto a = before_.FindReceiver(id);
+    const auto b = after_.FindReceiver(id);
+    return (IsPatch(a) || IsPatch(b)) && !(a == b || (a && b && *a == *b));
+  };
+  return delta_.receive_on_planar_surfaces ||
+         std::any_of(delta_.upsert_receivers.begin(), delta_.upsert_receivers.end(),
+                     [&](const Receiver& receiver) { return changes(receiver.id); }) ||
+         std::any_of(delta_.remove_receivers.begin(), delta_.remove_receivers.end(), changes);
 }
 
 const std::vector<Aabb>& SceneChange::ChangedCasterBounds() {

@@ -23,12 +23,14 @@ class SceneChange {
   // False only if the artifact of `spec` is the same on both scenes: the light and the receiver's
   // place are as they were, and whatever was added, removed or changed its shape, its place or what
   // it lets through lies outside the region between light and receiver, before and after. A colour
-  // or a `receives` flag changes no artifact. Of techniques that compute for all surfaces, or for
-  // points, every surface counts, wherever it is.
+  // changes no artifact, nor does a `receives` flag one of a receiver. Of techniques that compute
+  // for all surfaces, or for points, every surface counts, wherever it is, and receivers that stand
+  // by themselves are surfaces.
   bool Affects(const ArtifactSpec& spec, KnownShadowRegion& region);
 
  private:
   bool ChangesSurfaces() const;
+  bool ChangesPatches() const;
   const std::vector<Aabb>& ChangedCasterBounds();
 
   const Scene& before_;

@@ -3,7 +3,7 @@
 //
 //   WorkerPool pool({2, 2});
 //   WorkerPool::Lane& jobs = pool.lane(1);
-//   jobs.Post([channel] { channel->RunJob(); });
+//   jobs.Post([job] { job->Run(); });
 //
 // There is a thread for every task that may run, so a lane whose tasks block holds up no other. All
 // lanes share the threads, so that a thread whose job ends can go on with what follows from it: to

@@ -12,6 +12,21 @@ constexpr char kReasonPayload[] = "penumbra/reason";
 
 absl::string_view View(std::string_view text) { return {text.data(), text.size()}; }
 
+// A message may quote what a client sent, which may be as long as a request; an answer that quotes
+// it twice would not fit into one. What is too much is left out of the middle.
+constexpr size_t kMaxTextBytes = 1'024;
+constexpr size_t kEndBytes = 192;
+
+bool ContinuesCharacter(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
+
+std::string Shortened(std::string_view text) {
+  if (text.size() <= kMaxTextBytes) return std::string(text);
+  size_t first = kMaxTextBytes - kEndBytes, last = text.size() - kEndBytes;
+  while (first > 0 && ContinuesCharacter(text[first])) --first;
+  while (last < text.size() && ContinuesCharacter(text[last])) ++last;
+  return absl::StrCat(View(text.substr(0, first)), " ... ", View(text.substr(last)));
+}
+
 std::string Payload(const absl::Status& status, const char* name) {
   const auto payload = status.GetPayload(name);
   return payload ? std::string(*payload) : std::string();
@@ -21,9 +36,8 @@ std::string Payload(const absl::Status& status, const char* name) {
 
 absl::Status FieldError(absl::StatusCode code, std::string_view reason, std::string_view field_path,
                         std::string_view found_and_need) {
-  absl::Status status(code, field_path.empty()
-                                ? std::string(found_and_need)
-                                : absl::StrCat(View(field_path), ": ", View(found_and_need)));
+  const std::string text = Shortened(found_and_need);
+  absl::Status status(code, field_path.empty() ? text : absl::StrCat(View(field_path), ": ", text));
   if (!field_path.empty()) status.SetPayload(kFieldPayload, absl::Cord(View(field_path)));
   status.SetPayload(kReasonPayload, absl::Cord(View(reason)));
   return status;

@@ -49,20 +49,37 @@ void PutShape(HashedBytes& out, const PlanarSurface& s) {
   out.Put(s.triangle);
 }
 
-}  // namespace
-
-ContentHash HashOf(const Instance& instance) {
-  HashedBytes out;
+void PutPlacedMesh(HashedBytes& out, const Instance& instance) {
   out.Put(uint32_t{'I'});
   out.Put(instance.id);
   out.Put(instance.mesh->id());
   for (int column = 0; column < 4; ++column) out.Put(instance.world_from_mesh[column]);
   out.Put(instance.casts);
   out.Put(instance.receives);
-  out.Put(instance.color);
+}
+
+void PutMask(HashedBytes& out, const Instance& instance) {
   out.Put(instance.alpha_mask != nullptr);
   if (instance.alpha_mask) out.Put(instance.alpha_mask->id());
   out.Put(instance.alpha_cutoff);
+}
+
+}  // namespace
+
+ContentHash HashOf(const Instance& instance) {
+  HashedBytes out;
+  PutPlacedMesh(out, instance);
+  out.Put(instance.color);
+  PutMask(out, instance);
+  return out.Hash();
+}
+
+ContentHash HashOfSurfaces(const InstanceTable& instances) {
+  HashedBytes out;
+  for (const auto& [id, instance] : instances) {
+    PutPlacedMesh(out, *instance);
+    PutMask(out, *instance);
+  }
   return out.Hash();
 }
 

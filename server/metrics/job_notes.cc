@@ -32,7 +32,7 @@ void NoteFailure(ServerCounters& counters, Logger& logger, const JobReport& job)
 JobObserver NoteJobs(ServerCounters& counters, Logger& logger) {
   return [&counters, &logger](const JobReport& job) {
     counters.queue_seconds.Observe(job.waited_ms * kSecondsPerMs);
-    counters.ObserveCompute(job.technique, job.computed_ms * kSecondsPerMs);
+    if (!job.was_known) counters.ObserveCompute(job.technique, job.computed_ms * kSecondsPerMs);
     if (job.first_artifact_ms) {
       counters.first_artifact_seconds.Observe(*job.first_artifact_ms * kSecondsPerMs);
     }

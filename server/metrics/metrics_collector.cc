@@ -97,6 +97,23 @@ void AddComputing(Families& f, const ServerCounters& c, const EngineStatistics& 
                c.final_artifact_seconds);
 }
 
+void AddResults(Families& f, const MetricsGauges& gauges) {
+  const ResultStatistics& results = gauges.results;
+  f.push_back({"penumbra_result_lookups_total",
+               "Final artifacts that were looked for before computing them, by where they were",
+               MetricType::Counter,
+               {Sample(MetricType::Counter, static_cast<double>(results.found_in_memory),
+                       {{"found", "memory"}}),
+                Sample(MetricType::Counter, static_cast<double>(results.found_in_store),
+                       {{"found", "disk"}}),
+                Sample(MetricType::Counter, static_cast<double>(results.not_found),
+                       {{"found", "nowhere"}})}});
+  AddGauge(f, "penumbra_result_memory_bytes", "Bytes of final artifacts held in memory",
+           static_cast<double>(results.bytes));
+  AddGauge(f, "penumbra_result_disk_bytes", "Bytes of final artifacts held on disk",
+           static_cast<double>(gauges.stored_result_bytes));
+}
+
 void AddGauges(Families& f, const MetricsGauges& gauges) {
   AddGauge(f, "penumbra_scenes", "Scenes", static_cast<double>(gauges.scenes));
   AddGauge(f, "penumbra_jobs_waiting", "Jobs that wait for a thread",
@@ -132,6 +149,7 @@ std::vector<MetricFamily> MetricsCollector::Collect() const {
   Families families;
   AddServing(families, counters_);
   AddComputing(families, counters_, gauges.engine);
+  AddResults(families, gauges);
   AddGauges(families, gauges);
   return families;
 }

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "render/engine/engine_statistics.h"
+#include "render/engine/result_cache.h"
 #include "server/counters.h"
 
 namespace penumbra {
@@ -23,6 +24,8 @@ namespace penumbra {
 // What is not counted but looked at.
 struct MetricsGauges {
   EngineStatistics engine;
+  ResultStatistics results;
+  uint64_t stored_result_bytes = 0;
   uint64_t scenes = 0;
   uint64_t jobs_waiting = 0;
   uint64_t jobs_running = 0;

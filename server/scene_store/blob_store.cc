@@ -33,6 +33,11 @@ absl::Status OutOfMemory(uint64_t size) {
                         " bytes, need a smaller one or less in the store");
 }
 
+absl::Status DamagedBlob(const ContentHash& hash) {
+  return FieldError(absl::StatusCode::kDataLoss, "DAMAGED", "blob",
+                    "found other content than that of " + hash.hex() + ", need it as it was");
+}
+
 absl::Status OverQuota(const char* what, uint64_t found, uint64_t limit) {
   return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_BLOB_BYTES", "header.size_bytes",
                     "found " + std::to_string(found) + ", need at most " + std::to_string(limit) +
@@ -45,7 +50,8 @@ BlobStore::BlobStore(const ServerLimits& limits, Clock now)
     : limits_(limits), now_(std::move(now)) {}
 
 absl::StatusOr<std::unique_ptr<BlobStore::Upload>> BlobStore::Begin(const ContentHash& hash,
-                                                                    uint64_t size_bytes) {
+                                                                    uint64_t size_bytes,
+                                                                    const BlobOwner& owner) {
   if (size_bytes == 0) {
     return Invalid("LENGTH", "header.size_bytes", "found 0, need the number of bytes");
   }
@@ -57,11 +63,44 @@ absl::StatusOr<std::unique_ptr<BlobStore::Upload>> BlobStore::Begin(const Conten
   if (bytes_ + size_bytes > limits_.max_blob_store_bytes) {
     return OverQuota("in all blobs together", bytes_ + size_bytes, limits_.max_blob_store_bytes);
   }
-  bytes_ += size_bytes;
-  return std::unique_ptr<Upload>(new Upload(*this, hash, size_bytes));
+  const auto found = bytes_of_.find(owner.name);
+  const uint64_t theirs = size_bytes + (found == bytes_of_.end() ? 0 : found->second);
+  if (owner.max_bytes > 0 && theirs > owner.max_bytes) {
+    return OverQuota("in all blobs of the same owner", theirs, owner.max_bytes);
+  }
+  Count(size_bytes, owner.name);
+  return std::unique_ptr<Upload>(new Upload(*this, hash, size_bytes, owner.name));
 }
 
-BlobStore::Upload::~Upload() { store_.GiveBack(size_); }
+BlobStore::Upload::~Upload() { store_.GiveBack(size_, owner_); }
+
+void BlobStore::Attribute(const ContentHash& hash, const std::string& owner) {
+  std::lock_guard lock(mutex_);
+  const auto entry = entries_.find(hash);
+  if (entry == entries_.end() || !entry->second.owner.empty()) return;
+  entry->second.owner = owner;
+  bytes_ -= entry->second.bytes;
+  Count(entry->second.bytes, owner);
+}
+
+void BlobStore::Count(uint64_t bytes, const std::string& owner) {
+  bytes_ += bytes;
+  if (!owner.empty()) bytes_of_[owner] += bytes;
+}
+
+void BlobStore::Discount(uint64_t bytes, const std::string& owner) {
+  bytes_ -= bytes;
+  const auto theirs = bytes_of_.find(owner);
+  if (theirs == bytes_of_.end()) return;
+  theirs->second -= bytes;
+  if (theirs->second == 0) bytes_of_.erase(theirs);
+}
+
+uint64_t BlobStore::BytesOf(const std::string& owner) const {
+  std::lock_guard lock(mutex_);
+  const auto theirs = bytes_of_.find(owner);
+  return theirs == bytes_of_.end() ? 0 : theirs->second;
+}
 
 absl::Status BlobStore::Upload::Append(const std::string& data) {
   if (data.size() > size_ - bytes_.size()) {
@@ -100,18 +139,19 @@ absl::StatusOr<BlobContent> BlobStore::Upload::Decode() {
     return Invalid("HASH_MISMATCH", "header.hash",
                    "found " + hash_.hex() + ", need that of the content, " + found.hex());
   }
-  if (auto status = store_.Store(hash_, size_, *content); !status.ok()) return status;
+  if (auto status = store_.Store(hash_, size_, owner_, *content); !status.ok()) return status;
   return content;
 }
 
-absl::Status BlobStore::Store(const ContentHash& hash, uint64_t bytes, BlobContent content) {
+absl::Status BlobStore::Store(const ContentHash& hash, uint64_t bytes, const std::string& owner,
+                              BlobContent content) {
   if (!files_) {
-    Keep(hash, bytes, std::move(content));
+    Keep(hash, bytes, owner, std::move(content));
     return absl::OkStatus();
   }
   std::lock_guard lock(files_mutex_);
   if (auto status = files_->Write(hash, content); !status.ok()) return status;
-  Keep(hash, bytes, std::move(content));
+  Keep(hash, bytes, owner, std::move(content));
   return absl::OkStatus();
 }
 
@@ -124,35 +164,46 @@ absl::Status BlobStore::Load(const ContentHash& hash) {
   const absl::Status status = (*upload)->Finish().status();
   if (!absl::IsInvalidArgument(status)) return status;
   files_->PutAside(hash).IgnoreError();
-  return FieldError(absl::StatusCode::kDataLoss, "DAMAGED", "blob",
-                    "found other content than that of " + hash.hex() + ", need it as it was");
+  return DamagedBlob(hash);
 }
 
-absl::StatusOr<size_t> BlobStore::Collect(std::chrono::seconds age,
-                                          const std::function<bool(const ContentHash&)>& needed) {
-  DropUnused(age);
-  if (!files_) return 0;
-  const auto hashes = files_->List();
-  if (!hashes.ok()) return hashes.status();
-  size_t removed = 0;
-  for (const ContentHash& hash : *hashes) {
+absl::StatusOr<BlobContent> BlobStore::Fetch(const ContentHash& hash) const {
+  if (auto here = FindBlob(hash)) return *std::move(here);
+  if (!files_) {
+    return FieldError(absl::StatusCode::kNotFound, "MISSING_BLOB", "blob",
+                      "found no " + hash.hex() + ", need it");
+  }
+  const auto bytes = files_->Read(hash);
+  if (!bytes.ok()) return bytes.status();
+  auto content = DecodeBlob(std::as_bytes(std::span(*bytes)), limits_.scene);
+  if (!content.ok() || HashOf(*content) != hash) return DamagedBlob(hash);
+  return content;
+}
+
+absl::StatusOr<std::vector<ContentHash>> BlobStore::DropUnused(std::chrono::seconds age) {
+  {
+    std::lock_guard lock(mutex_);
+    const auto kept_since = now_() - age;
+    absl::erase_if(entries_, [&](const auto& item) {
+      const bool is_dropped = item.second.used < kept_since && !IsInUse(item.second.content);
+      if (is_dropped) Discount(item.second.bytes, item.second.owner);
+      return is_dropped;
+    });
+  }
+  if (!files_) return std::vector<ContentHash>();
+  auto hashes = files_->List();
+  if (hashes.ok()) std::erase_if(*hashes, [this](const auto& hash) { return Holds(hash); });
+  return hashes;
+}
+
+absl::Status BlobStore::RemoveFiles(std::span<const ContentHash> hashes) {
+  for (const ContentHash& hash : hashes) {
     // With the lock: an upload of it may be about to find that the file is there.
     std::lock_guard lock(files_mutex_);
-    if (Holds(hash) || needed(hash)) continue;
+    if (Holds(hash)) continue;
     if (auto status = files_->Remove(hash); !status.ok()) return status;
-    ++removed;
   }
-  return removed;
-}
-
-void BlobStore::DropUnused(std::chrono::seconds age) {
-  std::lock_guard lock(mutex_);
-  const auto kept_since = now_() - age;
-  absl::erase_if(entries_, [&](const auto& item) {
-    const bool is_dropped = item.second.used < kept_since && !IsInUse(item.second.content);
-    if (is_dropped) bytes_ -= item.second.bytes;
-    return is_dropped;
-  });
+  return absl::OkStatus();
 }
 
 bool BlobStore::Holds(const ContentHash& hash) const {
@@ -160,19 +211,21 @@ bool BlobStore::Holds(const ContentHash& hash) const {
   return entries_.contains(hash);
 }
 
-void BlobStore::Keep(const ContentHash& hash, uint64_t bytes, BlobContent content) {
+void BlobStore::Keep(const ContentHash& hash, uint64_t bytes, const std::string& owner,
+                     BlobContent content) {
   std::lock_guard lock(mutex_);
   const auto [entry, is_new] = entries_.try_emplace(hash);
   entry->second.used = now_();
   if (!is_new) return;
   entry->second.content = std::move(content);
   entry->second.bytes = bytes;
-  bytes_ += bytes;  // its own: the upload's go back when that ends
+  entry->second.owner = owner;
+  Count(bytes, owner);  // its own: the upload's go back when that ends
 }
 
-void BlobStore::GiveBack(uint64_t bytes) {
+void BlobStore::GiveBack(uint64_t bytes, const std::string& owner) {
   std::lock_guard lock(mutex_);
-  bytes_ -= bytes;
+  Discount(bytes, owner);
 }
 
 void BlobStore::MakeRoom(uint64_t bytes) {
@@ -186,7 +239,7 @@ void BlobStore::MakeRoom(uint64_t bytes) {
   for (const auto& [used, hash] : unused) {
     if (bytes_ + bytes <= limits_.max_blob_store_bytes) return;
     const auto entry = entries_.find(hash);
-    bytes_ -= entry->second.bytes;
+    Discount(entry->second.bytes, entry->second.owner);
     entries_.erase(entry);
   }
 }

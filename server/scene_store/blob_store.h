@@ -12,10 +12,13 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -26,6 +29,12 @@
 #include "server/storage/blob_files.h"
 
 namespace penumbra {
+
+// On whose account a blob is stored.
+struct BlobOwner {
+  std::string name;        // empty: nobody's
+  uint64_t max_bytes = 0;  // of all that is theirs; 0: as much as there is room for
+};
 
 class BlobStore : public BlobSource {
  public:
@@ -51,54 +60,68 @@ class BlobStore : public BlobSource {
    private:
     friend class BlobStore;
     absl::StatusOr<BlobContent> Decode();
-    Upload(BlobStore& store, const ContentHash& hash, uint64_t size)
-        : store_(store), hash_(hash), size_(size) {}
+    Upload(BlobStore& store, const ContentHash& hash, uint64_t size, std::string owner)
+        : store_(store), hash_(hash), size_(size), owner_(std::move(owner)) {}
 
     BlobStore& store_;
     const ContentHash hash_;
     const uint64_t size_;  // reserved in the store while this lives
+    const std::string owner_;
     std::vector<std::byte> bytes_;
   };
 
-  // Errors  kInvalidArgument LENGTH: size 0; kResourceExhausted QUOTA_BLOB_BYTES: one blob, or the
-  //         store after everything unused has been dropped
-  absl::StatusOr<std::unique_ptr<Upload>> Begin(const ContentHash& hash, uint64_t size_bytes);
+  // A blob counts for who uploaded it first, as long as it is here.
+  // Errors  kInvalidArgument LENGTH: size 0; kResourceExhausted QUOTA_BLOB_BYTES: one blob, the
+  //         owner's, or the store after everything unused has been dropped
+  absl::StatusOr<std::unique_ptr<Upload>> Begin(const ContentHash& hash, uint64_t size_bytes,
+                                                const BlobOwner& owner = {});
+  // The blob is the owner's if it is nobody's yet.
+  void Attribute(const ContentHash& hash, const std::string& owner);
 
   // Takes a blob in from disk. Errors  kNotFound MISSING_BLOB; kDataLoss DAMAGED: it is put aside
   //         then, so that it can be uploaded again; those of Begin and Finish
   absl::Status Load(const ContentHash& hash);
 
-  // Drops what no scene has used for `age`, from disk too but for what `needed` says is mentioned.
-  // The number of those dropped. Errors  those of BlobFiles
-  absl::StatusOr<size_t> Collect(std::chrono::seconds age,
-                                 const std::function<bool(const ContentHash&)>& needed);
+  // Drops from memory what no scene has used for `age`; which blobs are on disk alone then.
+  // Errors  those of BlobFiles
+  absl::StatusOr<std::vector<ContentHash>> DropUnused(std::chrono::seconds age);
+  // Removes those of the blobs that are still on disk alone. Errors  those of BlobFiles
+  absl::Status RemoveFiles(std::span<const ContentHash> hashes);
 
   bool Contains(const ContentHash& hash) const;
   bool keeps_on_disk() const { return files_ != nullptr; }
   std::shared_ptr<const Mesh> FindMesh(const ContentHash& hash) const override;
   std::shared_ptr<const AlphaMask> FindMask(const ContentHash& hash) const override;
 
+  // What FindBlob finds, or what is on disk alone, which is not put here.
+  // Errors  kNotFound MISSING_BLOB; kDataLoss DAMAGED; those of BlobFiles
+  absl::StatusOr<BlobContent> Fetch(const ContentHash& hash) const;
   // Whatever it is. It stays here, and is counted, as long as somebody holds it.
   std::optional<BlobContent> FindBlob(const ContentHash& hash) const;
 
   size_t blob_count() const;
   uint64_t blob_bytes() const;  // uploads in progress included
+  uint64_t BytesOf(const std::string& owner) const;
 
  private:
   struct Entry {
     BlobContent content;
     uint64_t bytes = 0;
     std::chrono::steady_clock::time_point used;
+    std::string owner;  // empty: nobody
   };
 
   const Entry* Find(const ContentHash& hash) const;
   // Drops the least recently used of what no scene uses, until `bytes` more fit or nothing is left.
   void MakeRoom(uint64_t bytes);
-  absl::Status Store(const ContentHash& hash, uint64_t bytes, BlobContent content);
-  void Keep(const ContentHash& hash, uint64_t bytes, BlobContent content);
-  void DropUnused(std::chrono::seconds age);
+  absl::Status Store(const ContentHash& hash, uint64_t bytes, const std::string& owner,
+                     BlobContent content);
+  void Keep(const ContentHash& hash, uint64_t bytes, const std::string& owner, BlobContent content);
   bool Holds(const ContentHash& hash) const;  // without a use of it
-  void GiveBack(uint64_t bytes);
+  void GiveBack(uint64_t bytes, const std::string& owner);
+  // With the lock held, as for the next.
+  void Count(uint64_t bytes, const std::string& owner);
+  void Discount(uint64_t bytes, const std::string& owner);
 
   const ServerLimits limits_;
   const Clock now_;
@@ -107,6 +130,7 @@ class BlobStore : public BlobSource {
   mutable std::mutex mutex_;
   mutable absl::flat_hash_map<ContentHash, Entry> entries_;
   uint64_t bytes_ = 0;
+  std::map<std::string, uint64_t> bytes_of_;  // by owner
 };
 
 // Triangles of no area; 0 for masks.

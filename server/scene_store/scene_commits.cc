@@ -1,4 +1,4 @@
-// The way of a commit: checked, put on disk, told.
+// The way of a commit: checked, sent to the disk (scene_writing.cc), told.
 
 #include <algorithm>
 #include <chrono>
@@ -6,14 +6,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "render/scene/field_error.h"
+#include "server/scene_store/commit_admission.h"
 #include "server/scene_store/scene_entry.h"
-#include "server/scene_store/stored_scene.h"
 
 namespace penumbra {
 namespace {
-
-// One transaction's: what comes meanwhile waits for it, and goes with the next.
-constexpr size_t kMaxBatch = 512;
 
 absl::Status CheckKey(const std::string& key, uint32_t max_bytes) {
   if (key.size() > max_bytes) {
@@ -56,6 +53,8 @@ SceneStore::Recalled SceneStore::Recall(const Entry& entry, const std::string& k
 }
 
 void SceneStore::Remember(Entry& entry, const CommitRecord& answer) {
+  // In an archive, which may come from anywhere, a key can come twice: the newest counts.
+  if (entry.answers.contains(answer.key)) std::erase(entry.answer_order, answer.key);
   entry.answers[answer.key] = answer;
   entry.answer_order.push_back(answer.key);
   if (entry.answer_order.size() <= limits_.max_idempotency_keys) return;
@@ -110,22 +109,28 @@ void SceneStore::Commit(const std::string& scene_id, CommitRequest request,
 
 void SceneStore::Send(const std::shared_ptr<Entry>& entry, std::shared_ptr<Pending> pending) {
   entry->newest = pending->after;
+  pending->came = StorageBacklog::Clock::now();
+  entry->pending_bytes += pending->request.bytes;
+  backlog_.Add(pending->request.principal, pending->request.bytes);
   entry->pending.push_back(std::move(pending));
-  if (std::exchange(entry->is_writing, true)) return;
-  storage_->lane().Post([this, entry] { WritePending(entry); });
+  if (!std::exchange(entry->is_writing, true)) PostWrite(entry);
 }
 
 absl::StatusOr<CommitOutcome> SceneStore::Prepare(Entry& entry, Pending& pending) const {
   if (entry.is_deleted) return SceneIsDeleted();
-  if (entry.pending.size() >= limits_.max_pending_commits) {
-    return FieldError(absl::StatusCode::kResourceExhausted, "QUOTA_PENDING", "commit",
-                      absl::StrCat("found ", entry.pending.size(),
-                                   " commits on their way to the disk, need fewer"));
-  }
+  if (auto status = Admit(entry, pending.request); !status.ok()) return status;
   auto after = entry.newest->Apply(pending.request.delta, limits_.scene);
   if (!after.ok()) return after.status();
   pending.after = *std::move(after);
   return CommitOutcome{};
+}
+
+absl::Status SceneStore::Admit(const Entry& entry, const CommitRequest& request) const {
+  if (!storage_) return absl::OkStatus();
+  SceneBacklog scene{
+      .commits = entry.pending.size(), .bytes = entry.pending_bytes, .oldest_came = {}};
+  if (!entry.pending.empty()) scene.oldest_came = entry.pending.front()->came;
+  return AdmitCommit(request, scene, backlog_, limits_, StorageBacklog::Clock::now());
 }
 
 absl::StatusOr<CommitOutcome> SceneStore::Publish(Entry& entry, const Pending& pending) {
@@ -149,40 +154,6 @@ absl::StatusOr<CommitOutcome> SceneStore::Publish(Entry& entry, const Pending& p
   return CommitOutcome{scene->revision(), scene->content_hash(), scene};
 }
 
-// On a thread of the storage's. There is one of these tasks for a scene at a time.
-void SceneStore::WritePending(const std::shared_ptr<Entry>& entry) {
-  Batch batch;
-  {
-    std::lock_guard lock(entry->mutex);
-    const size_t count = std::min(entry->pending.size(), kMaxBatch);
-    batch.assign(entry->pending.begin(), entry->pending.begin() + static_cast<ptrdiff_t>(count));
-  }
-  std::vector<CommitRecord> records;
-  for (const auto& pending : batch) {
-    records.push_back(
-        {.revision = pending->after->revision(),
-         .content_hash = pending->after->content_hash(),
-         .key = pending->request.idempotency_key,
-         .fingerprint = pending->request.fingerprint,
-         .author = pending->request.author_name,
-         .time_ms = pending->time_ms,
-         .delta = DeltaBytes(*pending->before, *pending->after, pending->request.delta)});
-  }
-  // Nobody else publishes while this task is there, so that the first one's `before` is what counts
-  // as acknowledged.
-  const auto acknowledged = batch.front()->before;
-  const absl::Status written =
-      entry->log->Append(records, [&] { return WholeOf(*entry, *acknowledged); });
-  Conclude(*entry, batch, written);
-  if (written.ok()) {
-    const auto newest = batch.back()->after;
-    entry->log->Compact([&] { return SnapshotOf(*newest); }).IgnoreError();  // later, then
-  }
-  std::lock_guard lock(entry->mutex);
-  entry->is_writing = !entry->pending.empty();
-  if (entry->is_writing) storage_->lane().Post([this, entry] { WritePending(entry); });
-}
-
 void SceneStore::Conclude(Entry& entry, const Batch& batch, const absl::Status& written) {
   std::vector<std::pair<CommitCallback, absl::StatusOr<CommitOutcome>>> answers;
   {
@@ -191,6 +162,8 @@ void SceneStore::Conclude(Entry& entry, const Batch& batch, const absl::Status& 
     // What builds on a commit that is not there goes with it.
     if (!written.ok()) concluded.swap(entry.pending);
     for (const auto& pending : concluded) {
+      entry.pending_bytes -= pending->request.bytes;
+      backlog_.Remove(pending->request.principal, pending->request.bytes);
       const absl::StatusOr<CommitOutcome> outcome =
           written.ok() && !entry.is_deleted
               ? Publish(entry, *pending)
@@ -212,14 +185,6 @@ void SceneStore::Conclude(Entry& entry, const Batch& batch, const absl::Status& 
     }
   }
   for (const auto& [done, outcome] : answers) done(outcome);
-}
-
-SceneState SceneStore::WholeOf(Entry& entry, const Scene& scene) {
-  SceneState state;
-  if (scene.revision() > 0) state.snapshot = SnapshotOf(scene);
-  std::lock_guard lock(entry.mutex);
-  for (const std::string& key : entry.answer_order) state.answers.push_back(entry.answers.at(key));
-  return state;
 }
 
 }  // namespace penumbra

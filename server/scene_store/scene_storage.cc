@@ -3,40 +3,20 @@
 #include <chrono>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "render/scene/field_error.h"
-#include "server/scene_store/stored_scene.h"
+#include "server/random_bytes.h"
 
 namespace penumbra {
 namespace {
 
 // Transactions of different scenes that wait for the disk at a time.
-constexpr int kWriters = 4;
+constexpr int kWriters = 8;
+// Histories that are read at a time, and scenes that are made or deleted.
+constexpr int kReaders = 2;
+constexpr int kMakers = 2;
 // How much may be cut off unseen from files of scenes that were being edited when the power went.
 constexpr std::chrono::seconds kHeadsInterval{1};
-
-// The store's blobs, and those on disk that are not in it yet.
-class LoadedBlobs : public BlobSource {
- public:
-  explicit LoadedBlobs(BlobStore& store) : store_(store) {}
-
-  std::shared_ptr<const Mesh> FindMesh(const ContentHash& hash) const override {
-    if (!store_.Contains(hash)) store_.Load(hash).IgnoreError();
-    return store_.FindMesh(hash);
-  }
-  std::shared_ptr<const AlphaMask> FindMask(const ContentHash& hash) const override {
-    if (!store_.Contains(hash)) store_.Load(hash).IgnoreError();
-    return store_.FindMask(hash);
-  }
-
- private:
-  BlobStore& store_;
-};
-
-absl::Status Damaged(const std::string& found) {
-  return FieldError(absl::StatusCode::kDataLoss, "DAMAGED", "scene",
-                    "found " + found + ", need it as it was written");
-}
+// Takes turns with those who resume. No principal has this name.
+constexpr char kHousekeeper[] = "";
 
 }  // namespace
 
@@ -59,10 +39,19 @@ SceneStorage::SceneStorage(std::unique_ptr<DataDirectory> directory, const Scene
       options_(options),
       logger_(logger),
       blob_files_(directory_->blobs_path()),
-      workers_({kWriters}) {}
+      journals_(*directory_, options.database, logger),
+      workers_({kWriters, kReaders, kMakers}),
+      history_lane_(workers_.lane(1)),
+      scenes_lane_(workers_.lane(2)) {}
+
+void SceneStorage::Stop() {
+  workers_.Stop();
+  history_lane_.Stop();
+  scenes_lane_.Stop();
+}
 
 SceneStorage::~SceneStorage() {
-  workers_.Stop();
+  Stop();
   {
     std::lock_guard lock(mutex_);
     is_ending_ = true;
@@ -84,83 +73,12 @@ absl::Status SceneStorage::ReadHeadsFile() {
   return absl::OkStatus();
 }
 
-std::vector<RestoredScene> SceneStorage::Restore(BlobStore& blobs, const SceneLimits& limits) {
-  std::vector<RestoredScene> restored;
-  const auto files = directory_->SceneFiles();
-  if (!files.ok()) {
-    logger_.Error("scenes_unreadable", {{"error", std::string(files.status().message())}});
-  }
-  KnownHeads without_file = heads_;
-  if (files.ok()) {
-    for (const auto& [scene_id, number] : *files) {
-      without_file.erase(scene_id);
-      restored.push_back(RestoreScene(scene_id, number, blobs, limits));
-    }
-  }
-  for (const auto& [scene_id, known] : without_file) {
-    restored.push_back({.scene_id = scene_id,
-                        .status = Damaged(absl::StrCat("no file, where revision ", known.revision,
-                                                       " was on disk"))});
-  }
-  for (const RestoredScene& scene : restored) {
-    if (scene.status.ok()) {
-      Note(*scene.log, scene.scene->revision());
-    } else {
-      // It is left as it is.
-      logger_.Error("scene_refused",
-                    {{"scene", scene.scene_id}, {"error", std::string(scene.status.message())}});
-    }
-  }
-  return restored;
-}
-
-RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t number,
-                                         BlobStore& blobs, const SceneLimits& limits) {
-  RestoredScene restored{.scene_id = scene_id};
-  const auto refuse = [&](absl::Status status) {
-    restored.status = std::move(status);
-    return std::move(restored);
-  };
-  auto file = SceneFile::Open(directory_->ScenePath(scene_id, number), options_.database);
-  if (!file.ok()) return refuse(file.status());
-  if ((*file)->identity().scene_id != scene_id) return refuse(Damaged("another scene's file"));
-  if (auto status = CheckAgainstHeads(**file); !status.ok()) return refuse(status);
-  if ((*file)->had_torn_tail()) {
-    // As after a loss of power. What was in it was not acknowledged, or the heads would know.
-    logger_.Warning("torn_transaction_dropped",
-                    {{"scene", scene_id}, {"revision", (*file)->head().revision}});
-  }
-  const auto state = (*file)->StateAt((*file)->head().revision);
-  if (!state.ok()) return refuse(state.status());
-  auto answers = (*file)->Answers(options_.history);
-  if (!answers.ok()) return refuse(answers.status());
-  auto scene = SceneOf(scene_id, *state, LoadedBlobs(blobs), limits);
-  if (!scene.ok()) return refuse(scene.status());
-  // What has been read may be in the system's memory only; from here on others build on it.
-  if (auto status = (*file)->Settle(); !status.ok()) return refuse(status);
-  // Older ones are what is left of a time when writing failed.
-  directory_->RemoveScene(scene_id, number).IgnoreError();
-  restored.scene = *std::move(scene);
-  restored.answers = *std::move(answers);
-  restored.log = std::make_shared<SceneLog>(*directory_, options_, *std::move(file));
-  return restored;
-}
-
-absl::Status SceneStorage::CheckAgainstHeads(const SceneFile& file) const {
-  if (file.identity().owner != directory_->identity()) {
-    return FieldError(absl::StatusCode::kFailedPrecondition, "FOREIGN", "scene",
-                      "found the file of another server, need one that was imported");
-  }
-  const auto known = heads_.find(file.identity().scene_id);
-  if (known == heads_.end()) return absl::OkStatus();
-  if (known->second.incarnation != file.identity().incarnation) {
-    return Damaged("the file of an earlier scene of this id");
-  }
-  if (known->second.revision > file.head().revision) {
-    return Damaged(absl::StrCat("revision ", file.head().revision, ", where ",
-                                known->second.revision, " was on disk"));
-  }
-  return absl::OkStatus();
+std::shared_ptr<SceneLog> SceneStorage::Log(std::unique_ptr<SceneFile> file) {
+  auto log = std::make_shared<SceneLog>(*directory_, journals_, options_, std::move(file));
+  std::lock_guard lock(mutex_);
+  std::erase_if(logs_, [](const auto& weak) { return weak.expired(); });
+  logs_.push_back(log);
+  return log;
 }
 
 absl::StatusOr<std::shared_ptr<SceneLog>> SceneStorage::Create(const std::string& scene_id) {
@@ -173,8 +91,32 @@ absl::StatusOr<std::shared_ptr<SceneLog>> SceneStorage::Create(const std::string
       SceneFile::Create(directory_->ScenePath(scene_id, *number), identity, options_.database);
   if (!file.ok()) return file.status();
   if (auto status = (*file)->Settle(); !status.ok()) return status;
-  auto log = std::make_shared<SceneLog>(*directory_, options_, *std::move(file));
+  auto log = Log(*std::move(file));
   Note(*log, 0);
+  if (auto status = WriteHeadsNow(); !status.ok()) {
+    Remove(*log).IgnoreError();
+    return status;
+  }
+  return log;
+}
+
+absl::StatusOr<std::unique_ptr<ImportedFile>> SceneStorage::BeginImport(const std::string& scene_id,
+                                                                        const SceneState& start) {
+  // An incarnation of its own: clients of the scene that was exported may know of later revisions.
+  const SceneIdentity identity{
+      .scene_id = scene_id, .incarnation = RandomBytes(16), .owner = directory_->identity()};
+  return ImportedFile::Create(*directory_, identity, options_.database, start);
+}
+
+absl::StatusOr<std::shared_ptr<SceneLog>> SceneStorage::Adopt(ImportedFile& imported) {
+  auto file = imported.GiveName();
+  if (!file.ok()) {
+    directory_->RemoveScene(imported.scene_id(), 0).IgnoreError();
+    return file.status();
+  }
+  const Revision revision = (*file)->head().revision;
+  auto log = Log(*std::move(file));
+  Note(*log, revision);
   if (auto status = WriteHeadsNow(); !status.ok()) {
     Remove(*log).IgnoreError();
     return status;
@@ -233,14 +175,28 @@ absl::Status SceneStorage::WriteHeadsNow() {
   return status;
 }
 
+void SceneStorage::RestLogs() {
+  std::vector<std::weak_ptr<SceneLog>> logs;
+  {
+    std::lock_guard lock(mutex_);
+    logs = logs_;
+  }
+  for (const auto& weak : logs) {
+    if (const auto log = weak.lock()) log->Rest();
+  }
+  std::lock_guard lock(mutex_);
+  are_logs_resting_ = false;
+}
+
 void SceneStorage::WriteHeadsLater() {
   std::unique_lock lock(mutex_);
   auto kept_house = std::chrono::steady_clock::now();
   while (!noted_.wait_for(lock, kHeadsInterval, [this] { return is_ending_; })) {
     if (housekeeping_ && std::chrono::steady_clock::now() - kept_house >= options_.house_interval) {
       kept_house = std::chrono::steady_clock::now();
-      lane().Post(housekeeping_);
+      history_lane_.Post(kHousekeeper, housekeeping_);
     }
+    if (!std::exchange(are_logs_resting_, true)) lane().Post([this] { RestLogs(); });
     if (!are_heads_new_) continue;
     lock.unlock();
     if (auto status = WriteHeadsNow(); !status.ok()) {

@@ -7,6 +7,7 @@
 
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -15,9 +16,12 @@
 
 #include "absl/status/statusor.h"
 #include "render/engine/worker_pool.h"
+#include "server/fair_lane.h"
 #include "server/log/logger.h"
 #include "server/scene_store/blob_store.h"
+#include "server/scene_store/imported_file.h"
 #include "server/scene_store/scene_log.h"
+#include "server/scene_store/shared_journal.h"
 #include "server/storage/blob_files.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/heads_file.h"
@@ -27,7 +31,8 @@ namespace penumbra {
 // A scene that a server finds when it starts.
 struct RestoredScene {
   std::string scene_id;
-  absl::Status status;  // why it cannot be served; then there is none of the rest
+  absl::Status status;            // why it cannot be served; then there is none of the rest
+  bool may_need_journal = false;  // one of those that are there, if it can be served some day
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<SceneLog> log;
   std::vector<CommitRecord> answers;  // commits with a key, oldest first
@@ -41,11 +46,17 @@ class SceneStorage {
                                                             Logger& logger);
   ~SceneStorage();
   // Waits for the tasks that run, and drops those that do not yet.
-  void Stop() { workers_.Stop(); }
+  void Stop();
 
   BlobFiles& blob_files() { return blob_files_; }
-  // For what waits for the disk: several tasks at a time.
+  std::string owners_path() const { return directory_->owners_path(); }
+  std::string results_path() const { return directory_->results_path(); }
+  Logger& logger() { return logger_; }
+  // For commits on their way to the disk: several at a time.
   WorkerPool::Lane& lane() { return workers_.lane(0); }
+  // For what may take long, and no commit waits for: reading histories; making and deleting scenes.
+  FairLane& history_lane() { return history_lane_; }
+  FairLane& scenes_lane() { return scenes_lane_; }
 
   // Every scene that there is, or that there was and ought to be; their blobs are put into `blobs`.
   // Scenes that are damaged stay as they are. To be called once, first.
@@ -54,11 +65,18 @@ class SceneStorage {
   // Both return once that is on disk. Errors  those of SceneFile
   absl::StatusOr<std::shared_ptr<SceneLog>> Create(const std::string& scene_id);
   absl::Status Remove(SceneLog& log);
+  // A scene that is not there before Adopt, and wholly there after it.
+  absl::StatusOr<std::unique_ptr<ImportedFile>> BeginImport(const std::string& scene_id,
+                                                            const SceneState& start);
+  absl::StatusOr<std::shared_ptr<SceneLog>> Adopt(ImportedFile& imported);
   // Of a scene that cannot be served: its file is moved aside.
   absl::Status PutAside(const std::string& scene_id);
 
-  // What is done now and then, on a thread of the lane's, until Stop.
+  // What is done now and then, on the lane for histories, until Stop.
   void KeepHouse(std::function<void()> housekeeping);
+
+  // Commits of several scenes at a time go there.
+  SharedJournal& journals() { return journals_; }
 
   // The scene has come so far. Written down within a second.
   void Note(const SceneLog& log, Revision revision);
@@ -66,17 +84,30 @@ class SceneStorage {
  private:
   SceneStorage(std::unique_ptr<DataDirectory> directory, const SceneLogOptions& options,
                Logger& logger);
-  RestoredScene RestoreScene(const std::string& scene_id, uint64_t number, BlobStore& blobs,
+  struct FoundJournals {
+    std::map<std::string, FoundJournal> sound;  // by id
+    std::vector<uint64_t> numbers;              // of all
+  };
+  FoundJournals ReadJournals();
+  void RemoveJournals(const FoundJournals& journals, const std::vector<RestoredScene>& restored);
+  RestoredScene RestoreScene(const std::string& scene_id, uint64_t number,
+                             const FoundJournals& journals, BlobStore& blobs,
                              const SceneLimits& limits);
-  absl::Status CheckAgainstHeads(const SceneFile& file) const;
+  absl::StatusOr<std::vector<CommitRecord>> NewerCommits(const SceneFile& file,
+                                                         const FoundJournals& journals) const;
+  static absl::Status MakeLast(SceneFile& file, const std::vector<CommitRecord>& newer);
+  absl::Status CheckAgainstHeads(const SceneIdentity& identity, Revision revision) const;
+  std::shared_ptr<SceneLog> Log(std::unique_ptr<SceneFile> file);
   absl::Status ReadHeadsFile();
   absl::Status WriteHeadsNow();
   void WriteHeadsLater();
+  void RestLogs();
 
   const std::unique_ptr<DataDirectory> directory_;
   const SceneLogOptions options_;
   Logger& logger_;
   BlobFiles blob_files_;
+  SharedJournal journals_;
 
   std::mutex writing_;  // held while the heads are written; taken before mutex_
   std::mutex mutex_;    // guards the rest
@@ -85,8 +116,11 @@ class SceneStorage {
   bool are_heads_new_ = false;
   bool is_ending_ = false;
   std::function<void()> housekeeping_;  // null: none
+  std::vector<std::weak_ptr<SceneLog>> logs_;
+  bool are_logs_resting_ = false;  // a task is going to see to them, or does
 
   WorkerPool workers_;
+  FairLane history_lane_, scenes_lane_;
   std::thread heads_writer_;
 };
 

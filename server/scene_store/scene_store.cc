@@ -8,8 +8,9 @@
 #include "proto/convert/geometry_convert.h"
 #include "proto/convert/scene_convert.h"
 #include "render/scene/field_error.h"
+#include "server/random_bytes.h"
+#include "server/scene_store/history_reading.h"
 #include "server/scene_store/scene_entry.h"
-#include "server/scene_store/stored_scene.h"
 
 namespace penumbra {
 namespace {
@@ -17,6 +18,12 @@ namespace {
 absl::Status Deleted(const std::string& scene_id) {
   return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID", "scene_id",
                     absl::StrCat("found '", scene_id, "', which was deleted, need a scene"));
+}
+
+absl::Status NotDeleted(const absl::Status& why) {
+  return FieldError(absl::StatusCode::kUnavailable, "STORAGE_FAILED", "scene_id",
+                    absl::StrCat("found a deletion that failed (", why.message(),
+                                 "), need it to be deleted again"));
 }
 
 absl::Status Unknown(const std::string& scene_id) {
@@ -32,8 +39,8 @@ SceneStore::SceneStore(LocalEngine& engine, BlobStore& blobs, const ServerLimits
 
 SceneStore::~SceneStore() = default;
 
-std::shared_ptr<SceneStore::Entry> SceneStore::MakeEntry(std::shared_ptr<const Scene> scene,
-                                                         std::shared_ptr<SceneLog> log) {
+std::shared_ptr<SceneStore::Entry> SceneStore::Entry::Make(std::shared_ptr<const Scene> scene,
+                                                           std::shared_ptr<SceneLog> log) {
   auto entry = std::make_shared<Entry>();
   entry->incarnation = log ? log->identity().incarnation : RandomBytes(16);
   entry->log = std::move(log);
@@ -43,36 +50,59 @@ std::shared_ptr<SceneStore::Entry> SceneStore::MakeEntry(std::shared_ptr<const S
 
 void SceneStore::Restore() {
   if (!storage_) return;
+  if (auto status = owners_.Open(storage_->owners_path()); !status.ok()) {
+    storage_->logger().Error("owners_damaged", {{"error", std::string(status.message())}});
+  }
+  std::set<std::string> known;
   for (RestoredScene& restored : storage_->Restore(blobs_, limits_.scene)) {
     if (restored.status.ok()) restored.status = engine_.RestoreScene(restored.scene);
+    known.insert(restored.scene_id);
+    if (restored.status.ok()) AttributeBlobs(*restored.scene);
     std::lock_guard lock(mutex_);
     if (!restored.status.ok()) {
       refused_[restored.scene_id] = restored.status;
       continue;
     }
-    auto entry = MakeEntry(std::move(restored.scene), std::move(restored.log));
+    auto entry = Entry::Make(std::move(restored.scene), std::move(restored.log));
     for (const CommitRecord& answer : restored.answers) Remember(*entry, answer);
     entries_[restored.scene_id] = std::move(entry);
   }
+  owners_.KeepOnly(known);
   // Blobs that nobody has used since the last time.
   storage_->KeepHouse([this] { CollectBlobs(limits_.unused_blob_lifetime).IgnoreError(); });
 }
 
+// Who uploaded them is not written down. What a scene needs counts for who made it.
+void SceneStore::AttributeBlobs(const Scene& scene) {
+  const std::string owner = owners_.OwnerOf(scene.id());
+  if (owner.empty()) return;
+  for (const auto& [id, instance] : scene.instances()) {
+    blobs_.Attribute(instance->mesh->id(), owner);
+    if (instance->alpha_mask) blobs_.Attribute(instance->alpha_mask->id(), owner);
+  }
+}
+
 // Whoever creates or deletes a scene has its id to himself until that is done, on disk too.
-absl::StatusOr<SceneInfo> SceneStore::Create(const std::string& scene_id) {
+absl::StatusOr<SceneInfo> SceneStore::Create(const std::string& scene_id, const SceneOwner& owner) {
   {
     std::lock_guard lock(mutex_);
-    if (refused_.contains(scene_id) || changing_.contains(scene_id)) {
+    const bool is_damaged = refused_.contains(scene_id);
+    if (is_damaged || changing_.contains(scene_id)) {
       return FieldError(absl::StatusCode::kAlreadyExists, "DUPLICATE_ID", "scene_id",
                         absl::StrCat("found '", scene_id,
-                                     "', whose file is damaged or being "
-                                     "removed; delete it first, or need another id"));
+                                     is_damaged ? "', whose file is damaged, need it deleted first"
+                                                : "', which is being made or deleted, need to wait",
+                                     " or another id"));
     }
     if (auto status = engine_.CreateScene(scene_id); !status.ok()) return status;
     changing_.insert(scene_id);
   }
-  auto created = CreateReserved(scene_id);
-  if (!created.ok()) engine_.DeleteScene(scene_id).IgnoreError();
+  const absl::Status owned = owners_.Take(owner, scene_id);
+  auto created = owned.ok() ? CreateReserved(scene_id) : absl::StatusOr<SceneInfo>(owned);
+  if (!created.ok()) {
+    owners_.Drop(scene_id);
+    engine_.DeleteScene(scene_id).IgnoreError();
+  }
   std::lock_guard lock(mutex_);
   changing_.erase(scene_id);
   return created;
@@ -88,7 +118,7 @@ absl::StatusOr<SceneInfo> SceneStore::CreateReserved(const std::string& scene_id
   const auto scene = engine_.Snapshot(scene_id);
   if (!scene.ok()) return scene.status();
   std::lock_guard lock(mutex_);
-  entries_[scene_id] = MakeEntry(*scene, std::move(log));
+  entries_[scene_id] = Entry::Make(*scene, std::move(log));
   return InfoOf(**scene);
 }
 
@@ -99,6 +129,7 @@ absl::Status SceneStore::Delete(const std::string& scene_id) {
     if (!is_there || !changing_.insert(scene_id).second) return Unknown(scene_id);
   }
   const absl::Status status = DeleteReserved(scene_id);
+  if (status.ok()) owners_.Drop(scene_id);
   std::lock_guard lock(mutex_);
   changing_.erase(scene_id);
   return status;
@@ -126,6 +157,11 @@ absl::Status SceneStore::DeleteReserved(const std::string& scene_id) {
   const absl::Status removed = entry->log ? storage_->Remove(*entry->log) : absl::OkStatus();
   engine_.DeleteScene(scene_id).IgnoreError();
   for (const auto& watcher : watchers) watcher->OnSceneDeleted(Deleted(scene_id));
+  if (!removed.ok()) {
+    // Something of it may be left on disk: nobody gets its id before that has gone too.
+    std::lock_guard lock(mutex_);
+    refused_[scene_id] = NotDeleted(removed);
+  }
   return removed;
 }
 
@@ -167,9 +203,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> SceneStore::SceneAt(const std::stri
                       absl::StrCat("found ", revision, ", need ", (*scene)->revision(),
                                    ": this server keeps no history"));
   }
-  const auto state = (*entry)->log->StateAt(revision);
-  if (!state.ok()) return state.status();
-  return SceneOf(scene_id, *state, blobs_, limits_.scene);
+  return PastScene(*(*entry)->log, revision, blobs_, limits_.scene);
 }
 
 absl::StatusOr<std::shared_ptr<SceneStore::Entry>> SceneStore::Find(
@@ -194,10 +228,12 @@ absl::Status SceneStore::CollectBlobs(std::chrono::seconds age) {
   }
   // What a damaged scene needs cannot be told.
   if (are_some_refused) return absl::OkStatus();
+  auto unused = blobs_.DropUnused(age);
+  if (!unused.ok() || unused->empty()) return unused.status();
   absl::flat_hash_set<std::string> mentioned;
   for (const auto& entry : entries) {
     if (!entry->log) continue;
-    const absl::Status status = entry->log->ForEachBody([&](std::string_view body) {
+    const absl::Status status = ForEachBody(*entry->log, [&](std::string_view body) {
       v1::SceneDelta delta;
       if (!delta.ParseFromArray(body.data(), static_cast<int>(body.size()))) {
         return absl::DataLossError("a delta that cannot be read");
@@ -210,9 +246,8 @@ absl::Status SceneStore::CollectBlobs(std::chrono::seconds age) {
     });
     if (!status.ok()) return status;
   }
-  return blobs_
-      .Collect(age, [&](const ContentHash& hash) { return mentioned.contains(ToProto(hash)); })
-      .status();
+  std::erase_if(*unused, [&](const auto& hash) { return mentioned.contains(ToProto(hash)); });
+  return blobs_.RemoveFiles(*unused);
 }
 
 }  // namespace penumbra

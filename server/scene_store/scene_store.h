@@ -1,6 +1,7 @@
 // The scenes, the order of their commits, and who has to know of them.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <map>
@@ -14,9 +15,14 @@
 #include "absl/status/statusor.h"
 #include "render/engine/local_engine.h"
 #include "server/counters.h"
+#include "server/fair_lane.h"
 #include "server/limits.h"
 #include "server/scene_store/blob_store.h"
+#include "server/scene_store/commit_request.h"
+#include "server/scene_store/scene_owners.h"
 #include "server/scene_store/scene_storage.h"
+#include "server/scene_store/storage_backlog.h"
+#include "server/scene_store/write_queue.h"
 
 namespace penumbra {
 
@@ -28,31 +34,13 @@ class SceneWatcher {
   virtual void OnSceneDeleted(const absl::Status& reason) = 0;
 };
 
-// A commit as a client asks for it.
-struct CommitRequest {
-  SceneDelta delta;
-  std::string idempotency_key;  // empty: none
-  ContentHash fingerprint;      // of the delta, where there is a key
-  std::string author_name;      // for the scene's history
-};
-
 struct WatchedScene {
   std::shared_ptr<const Scene> scene;
   std::string incarnation;  // 16 bytes, different for every scene ever made
 };
 
-struct CommitOutcome {
-  Revision revision = 0;
-  ContentHash content_hash;
-  std::shared_ptr<const Scene> scene;  // null where an earlier answer was repeated
-};
-
-using CommitCallback = std::function<void(const absl::StatusOr<CommitOutcome>&)>;
-
-// Any thread may use it.
-//
-// Where scenes are kept on disk, a commit is checked at once, and told to anybody only once it is
-// there. Until then later ones build on it, and all of them are on their way together.
+// Any thread may use it. Where scenes are kept on disk, a commit is checked at once, and told to
+// anybody only once it is there. Until then later ones build on it, and all are on their way.
 class SceneStore {
  public:
   // `storage` is null where scenes live in memory only. All of it outlives the store.
@@ -64,10 +52,12 @@ class SceneStore {
   void Restore();
 
   // These wait for the disk. Errors  those of Engine; of scenes that are damaged kDataLoss DAMAGED
-  absl::StatusOr<SceneInfo> Create(const std::string& scene_id);
+  // Create, further: kResourceExhausted QUOTA_SCENES: the owner has as many as it may
+  absl::StatusOr<SceneInfo> Create(const std::string& scene_id, const SceneOwner& owner = {});
+  // After an error of the disk the scene is among those that are refused until it is deleted.
   absl::Status Delete(const std::string& scene_id);
   absl::StatusOr<std::vector<SceneInfo>> List() { return engine_.ListScenes(); }
-  // Scenes that were on disk and cannot be served, with the reason.
+  // Scenes that are on disk and cannot be served, with the reason.
   std::map<std::string, absl::Status> Refused() const;
 
   // The scene as it is; `watcher` hears of everything after that until it is gone.
@@ -84,8 +74,9 @@ class SceneStore {
   // Calls `done` once, before or after it returns, on any thread: then the commit is on disk and
   // watchers other than `author` have been told, or nothing has changed.
   // Errors  those of Engine::Commit; kInvalidArgument REQUEST_ID_REUSED, BAD_ID;
-  //         kResourceExhausted QUOTA_PENDING: too many are on their way; DISK_FULL;
-  //         kUnavailable STORAGE_FAILED
+  //         kResourceExhausted QUOTA_PENDING, QUOTA_PENDING_BYTES: too many are on their way;
+  //         OVERLOADED: those that are have been for too long; all three with a retry delay;
+  //         DISK_FULL; kUnavailable STORAGE_FAILED
   void Commit(const std::string& scene_id, CommitRequest request,
               std::weak_ptr<const SceneWatcher> author, CommitCallback done);
 
@@ -109,37 +100,46 @@ class SceneStore {
   // Drops blobs that no scene needs any more. Waits for the disk.
   absl::Status CollectBlobs(std::chrono::seconds age);
 
-  // Where what waits for the disk is done; null where there is none.
-  WorkerPool::Lane* storage_lane() { return storage_ ? &storage_->lane() : nullptr; }
+  // Where histories are read, and scenes made and deleted; null where nothing waits for a disk.
+  FairLane* history_lane() { return storage_ ? &storage_->history_lane() : nullptr; }
+  FairLane* scenes_lane() { return storage_ ? &storage_->scenes_lane() : nullptr; }
 
  private:
+  friend class SceneArchives;
   struct Entry;
   struct Pending;
+  struct JournalPart;
   using Batch = std::vector<std::shared_ptr<Pending>>;
   using Recalled = absl::StatusOr<std::optional<CommitOutcome>>;
 
   absl::StatusOr<std::shared_ptr<Entry>> Find(const std::string& scene_id) const;
-  std::shared_ptr<Entry> MakeEntry(std::shared_ptr<const Scene> scene,
-                                   std::shared_ptr<SceneLog> log);
   absl::StatusOr<SceneInfo> CreateReserved(const std::string& scene_id);
+  void AttributeBlobs(const Scene& scene);
   absl::Status DeleteReserved(const std::string& scene_id);
   absl::Status DeleteRefused(const std::string& scene_id);
-  // With the entry's mutex locked, as for the next five.
+  // With the entry's mutex locked, as for the next seven.
   Recalled Recall(const Entry& entry, const std::string& key, const ContentHash& fingerprint) const;
   void Remember(Entry& entry, const CommitRecord& answer);
   absl::StatusOr<CommitOutcome> Prepare(Entry& entry, Pending& pending) const;
+  absl::Status Admit(const Entry& entry, const CommitRequest& request) const;
   void Send(const std::shared_ptr<Entry>& entry, std::shared_ptr<Pending> pending);
+  void PostWrite(const std::shared_ptr<Entry>& entry);
   absl::StatusOr<CommitOutcome> Publish(Entry& entry, const Pending& pending);
-
   void WritePending(const std::shared_ptr<Entry>& entry);
+  void WriteTogether();
+  void ConcludePart(JournalPart& part, const absl::Status& written);
+  void GoOn(const std::shared_ptr<Entry>& entry);
   void Conclude(Entry& entry, const Batch& batch, const absl::Status& written);
-  static SceneState WholeOf(Entry& entry, const Scene& scene);
 
   LocalEngine& engine_;
   BlobStore& blobs_;
   const ServerLimits limits_;
   ServerCounters& counters_;
   SceneStorage* const storage_;
+  StorageBacklog backlog_;
+  SceneOwners owners_;
+  WriteQueue<std::shared_ptr<Entry>> for_journal_;  // those whose commits may go there
+  std::atomic<bool> is_tidying_ = false;            // one whose commits do
 
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Entry>> entries_;

@@ -3,16 +3,14 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "render/scene/field_error.h"
 #include "render/scene/scene_difference.h"
+#include "server/storage/scene_rows.h"
 
 namespace penumbra {
 namespace {
 
-absl::Status Damaged(Revision revision, absl::string_view found) {
-  return FieldError(
-      absl::StatusCode::kDataLoss, "DAMAGED", "scene",
-      absl::StrCat("found at revision ", revision, " ", found, ", need it as it was written"));
+absl::Status DamagedAt(Revision revision, absl::string_view found) {
+  return Damaged(absl::StrCat("at revision ", revision, " ", found));
 }
 
 // `before` with what the bytes say applied.
@@ -21,13 +19,14 @@ absl::StatusOr<std::shared_ptr<const Scene>> Next(const Scene& before, const std
                                                   const BlobSource& blobs,
                                                   const SceneLimits& limits) {
   v1::SceneDelta message;
-  if (!message.ParseFromString(bytes)) return Damaged(revision, "no delta");
+  if (!message.ParseFromString(bytes)) return DamagedAt(revision, "no delta");
   const auto delta = FromProto(message, blobs);
-  if (!delta.ok()) return Damaged(revision, delta.status().message());
+  if (!delta.ok()) return DamagedAt(revision, delta.status().message());
   const auto applied = before.Apply(*delta, limits);
-  if (!applied.ok()) return Damaged(revision, applied.status().message());
+  if (!applied.ok()) return DamagedAt(revision, applied.status().message());
   const auto scene = (*applied)->WithRevision(revision);
-  if (scene->content_hash() != hash) return Damaged(revision, "another content than was committed");
+  if (scene->content_hash() != hash)
+    return DamagedAt(revision, "another content than was committed");
   return scene;
 }
 
@@ -58,7 +57,14 @@ absl::StatusOr<std::shared_ptr<const Scene>> SceneOf(const std::string& scene_id
     if (!whole.ok()) return whole.status();
     scene = *std::move(whole);
   }
-  for (const CommitRecord& commit : state.commits) {
+  return SceneAfter(std::move(scene), state.commits, blobs, limits);
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> SceneAfter(std::shared_ptr<const Scene> scene,
+                                                        std::span<const CommitRecord> commits,
+                                                        const BlobSource& blobs,
+                                                        const SceneLimits& limits) {
+  for (const CommitRecord& commit : commits) {
     auto next = Next(*scene, commit.delta, commit.revision, commit.content_hash, blobs, limits);
     if (!next.ok()) return next.status();
     scene = *std::move(next);

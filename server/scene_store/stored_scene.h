@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -20,10 +21,16 @@ std::string DeltaBytes(const Scene& before, const Scene& after, const SceneDelta
 
 // The scene that `state` leads to.
 //
-// Errors  kDataLoss DAMAGED: the bytes give no scene, or one of another content; those of `blobs`
+// Errors, also of the next  kDataLoss DAMAGED: the bytes give no scene, or one of another content;
+//                           those of `blobs`
 absl::StatusOr<std::shared_ptr<const Scene>> SceneOf(const std::string& scene_id,
                                                      const SceneState& state,
                                                      const BlobSource& blobs,
                                                      const SceneLimits& limits);
+// What the commits that follow make of `scene`.
+absl::StatusOr<std::shared_ptr<const Scene>> SceneAfter(std::shared_ptr<const Scene> scene,
+                                                        std::span<const CommitRecord> commits,
+                                                        const BlobSource& blobs,
+                                                        const SceneLimits& limits);
 
 }  // namespace penumbra

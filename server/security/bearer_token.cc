@@ -1,13 +1,10 @@
 #include "server/security/bearer_token.h"
 
-#include <openssl/rand.h>
-
-#include <array>
-#include <cstdlib>
 #include <span>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/string_view.h"
+#include "server/random_bytes.h"
 #include "server/security/base64url.h"
 
 namespace penumbra {
@@ -19,11 +16,7 @@ constexpr size_t kRandomBytes = 32;
 }  // namespace
 
 std::string MakeBearerToken() {
-  std::array<unsigned char, kRandomBytes> bytes;
-  // Without randomness there is no token; that is a machine that cannot do TLS either.
-  if (RAND_bytes(bytes.data(), bytes.size()) != 1) std::abort();
-  return std::string(kPrefix) + absl::WebSafeBase64Escape(absl::string_view(
-                                    reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  return std::string(kPrefix) + absl::WebSafeBase64Escape(RandomBytes(kRandomBytes));
 }
 
 bool IsBearerToken(std::string_view text) {

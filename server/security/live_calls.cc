@@ -16,6 +16,11 @@ void LiveCall::Finish() {
   context_ = nullptr;
 }
 
+absl::Status LiveCall::StillAllowed() {
+  std::lock_guard lock(mutex_);
+  return check_();
+}
+
 void LiveCall::Sweep(std::chrono::steady_clock::time_point now) {
   std::lock_guard lock(mutex_);
   if (!context_) return;

@@ -31,6 +31,9 @@ class LiveCall {
   // The call is over. Waits for a sweep that is at it.
   void Finish();
 
+  // Whether it may go on, asked now: before something that cannot be taken back.
+  absl::Status StillAllowed();
+
  private:
   friend class LiveCalls;
   void Sweep(std::chrono::steady_clock::time_point now);

@@ -23,6 +23,8 @@ constexpr RpcRole kRoles[] = {
     {"FindMissingBlobs", Role::kEditor, SceneRule::kContents, "others' blobs are missing"},
     {"UploadBlob", Role::kEditor, SceneRule::kNone, ""},
     {"DownloadBlob", Role::kViewer, SceneRule::kContents, "others' blobs are not found"},
+    {"ExportScene", Role::kEditor, SceneRule::kNamed, "its history tells what was there before"},
+    {"ImportScene", Role::kEditor, SceneRule::kMade, ""},
     {"Session.hello", Role::kViewer, SceneRule::kNamed, ""},
     {"Session.commit", Role::kEditor, SceneRule::kNone, "the hello has named the scene"},
     {"Session.subscribe", Role::kViewer, SceneRule::kNone, ""},

@@ -7,7 +7,7 @@ namespace penumbra {
 grpc::ServerUnaryReactor* PenumbraService::DeleteScene(Context* context, const Bytes* request,
                                                        Bytes* response) {
   return AnswerUnaryOn<v1::DeleteSceneRequest>(
-      parts_.sessions.scenes.storage_lane(), parts_, context, request, response,
+      parts_.sessions.scenes.scenes_lane(), parts_, context, request, response,
       [this](const v1::DeleteSceneRequest& message,
              const Caller&) -> absl::StatusOr<v1::DeleteSceneResponse> {
         if (auto status = CheckId(message.scene_id(), "scene_id"); !status.ok()) return status;

@@ -10,9 +10,10 @@
 #include "penumbra/v1/server_info.pb.h"
 #include "penumbra/v1/service.grpc.pb.h"
 #include "render/engine/local_engine.h"
-#include "render/engine/worker_pool.h"
 #include "server/log/logger.h"
+#include "server/scene_store/scene_archives.h"
 #include "server/security/call_guard.h"
+#include "server/service/transfer_lanes.h"
 #include "server/session/session.h"
 #include "server/session/session_table.h"
 
@@ -24,10 +25,11 @@ struct ServiceParts {
   SessionServices sessions;
   SessionTable& session_table;
   LocalEngine& engine;
-  WorkerPool::Lane& blob_workers;  // for blobs that take longer than a gRPC thread should be kept
+  TransferLanes& transfers;
   std::function<v1::GlInfo()> gl_info;
   std::chrono::steady_clock::time_point started;
   Logger& logger;
+  SceneArchives& archives;
 };
 
 namespace raw {
@@ -44,7 +46,11 @@ template <typename T>
 using Blobs = v1::PenumbraService::WithRawCallbackMethod_FindMissingBlobs<
     v1::PenumbraService::WithRawCallbackMethod_UploadBlob<
         v1::PenumbraService::WithRawCallbackMethod_DownloadBlob<T>>>;
-using Service = v1::PenumbraService::WithRawCallbackMethod_Session<Scenes<Infos<Blobs<Base>>>>;
+template <typename T>
+using Archives = v1::PenumbraService::WithRawCallbackMethod_ExportScene<
+    v1::PenumbraService::WithRawCallbackMethod_ImportScene<T>>;
+using Service =
+    v1::PenumbraService::WithRawCallbackMethod_Session<Scenes<Infos<Blobs<Archives<Base>>>>>;
 }  // namespace raw
 
 class PenumbraService final : public raw::Service {
@@ -64,6 +70,8 @@ class PenumbraService final : public raw::Service {
   grpc::ServerUnaryReactor* FindMissingBlobs(Context*, const Bytes*, Bytes*) override;
   grpc::ServerReadReactor<Bytes>* UploadBlob(Context*, Bytes* response) override;
   grpc::ServerWriteReactor<Bytes>* DownloadBlob(Context*, const Bytes* request) override;
+  grpc::ServerWriteReactor<Bytes>* ExportScene(Context*, const Bytes* request) override;
+  grpc::ServerReadReactor<Bytes>* ImportScene(Context*, Bytes* response) override;
 
  private:
   const ServiceParts parts_;

@@ -46,7 +46,8 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
           if (const auto session = weak.lock()) session->End(status);
         },
         context);
-    if (auto status = parts.session_table.Add(session_); !status.ok()) session_->End(status);
+    const absl::Status added = parts.session_table.Add(session_, caller.identity().name);
+    if (!added.ok()) session_->End(added);
     std::lock_guard lock(gate_->mutex);
     Pump();
   }
@@ -100,10 +101,8 @@ class SessionReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, gr
 
   // An end that the client's not reading does not hold up: it goes past what waits to be read.
   void LetGo(const absl::Status& reason) {
-    const grpc::Status status = ToGrpcStatus(reason);
-    grpc_call_cancel_with_status(context_.c_call(),
-                                 static_cast<grpc_status_code>(status.error_code()),
-                                 status.error_message().c_str(), nullptr);
+    grpc_call_cancel_with_status(context_.c_call(), static_cast<grpc_status_code>(reason.code()),
+                                 MessageWithReason(reason).c_str(), nullptr);
   }
 
   void WriteNext() {

@@ -9,8 +9,9 @@
 #include "grpcpp/server_context.h"
 #include "grpcpp/support/byte_buffer.h"
 #include "proto/convert/status_convert.h"
-#include "render/engine/worker_pool.h"
+#include "server/fair_lane.h"
 #include "server/service/call_record.h"
+#include "server/service/idle_timer.h"
 #include "server/service/penumbra_service.h"
 #include "server/session/bounded_parse.h"
 #include "server/session/wire_message.h"
@@ -42,10 +43,12 @@ absl::StatusOr<Caller> AdmitRequest(grpc::CallbackServerContext& context, const 
 }
 
 // Finishes the call with `answer(message, caller)`, an absl::StatusOr of the response. `answer` may
-// wait for the disk where `lane` is one, on whose thread it then runs; where there is none it must
-// not take long.
+// wait for the disk where `lane` is one, on whose thread it then runs, once the caller has a turn;
+// where there is none it must not take long. A disk that has gone to sleep keeps a client without a
+// deadline no longer than limits.transfer_idle_timeout: the call is cancelled, and what it asked
+// for may still be done.
 template <typename Request, typename Answer>
-grpc::ServerUnaryReactor* AnswerUnaryOn(WorkerPool::Lane* lane, const ServiceParts& parts,
+grpc::ServerUnaryReactor* AnswerUnaryOn(FairLane* lane, const ServiceParts& parts,
                                         grpc::CallbackServerContext* context,
                                         const grpc::ByteBuffer* request, grpc::ByteBuffer* response,
                                         Answer answer) {
@@ -59,15 +62,18 @@ grpc::ServerUnaryReactor* AnswerUnaryOn(WorkerPool::Lane* lane, const ServicePar
     reactor->Finish(ToGrpcStatus(caller.status()));
     return reactor;
   }
-  auto finish = [response, reactor, record, message = std::move(message), caller = *caller,
+  const auto timer =
+      lane ? IdleTimer::Start(context, parts.sessions.limits.transfer_idle_timeout) : nullptr;
+  auto finish = [response, reactor, record, timer, message = std::move(message), caller = *caller,
                  answer = std::move(answer)] {
     const auto result = answer(message, caller);
+    if (timer) timer->Stop();
     if (result.ok()) *response = ToBytes(*result);
     record->End(result.status());
     reactor->Finish(ToGrpcStatus(result.status()));
   };
   if (lane) {
-    lane->Post(std::move(finish));
+    lane->Post(caller->identity().name, std::move(finish));
   } else {
     finish();
   }

@@ -41,7 +41,7 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     if (!status.ok()) return Refuse(status);
     if (!upload_ || !upload_->is_complete()) return ReadNext();
     if (size_ > kLongBlobBytes || parts_.sessions.blobs.keeps_on_disk()) {
-      parts_.blob_workers.Post([this] { FinishBlob(); });
+      parts_.transfers.uploads().Post(identity_.name, [this] { FinishBlob(); });
     } else {
       FinishBlob();
     }
@@ -71,7 +71,9 @@ class UploadReactor final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
       if (!hash.ok()) return hash.status();
       hash_ = *hash;
       size_ = request.header().size_bytes();
-      auto upload = parts_.sessions.blobs.Begin(hash_, size_);
+      const uint64_t quota = parts_.sessions.quotas.Of(identity_.name).blob_bytes;
+      auto upload =
+          parts_.sessions.blobs.Begin(hash_, size_, {.name = identity_.name, .max_bytes = quota});
       if (!upload.ok()) return upload.status();
       upload_ = *std::move(upload);
     }

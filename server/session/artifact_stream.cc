@@ -4,20 +4,40 @@
 #include <utility>
 
 namespace penumbra {
+namespace {
 
-absl::Status ArtifactStream::Start(Engine& engine, const std::string& scene_id,
-                                   const ArtifactSpec& spec) {
+// One party's part in a stream.
+struct Stake {
+  Stake(std::shared_ptr<ArtifactStream> of, Party whose)
+      : stream(std::move(of)), party(std::move(whose)) {}
+  ~Stake() { stream->Leave(party); }
+
+  const std::shared_ptr<ArtifactStream> stream;
+  const Party party;
+};
+
+}  // namespace
+
+absl::Status ArtifactStream::Start(SharedEngine& engine, const Party& party,
+                                   const std::string& scene_id, const ArtifactSpec& spec) {
   std::lock_guard lock(starting_);
-  if (started_) return *started_;
-  auto subscription =
-      engine.Subscribe(scene_id, spec, [weak = weak_from_this()](const ArtifactUpdate& update) {
-        // Held during the call: a listener may drop the last other owner.
-        if (const auto stream = weak.lock()) stream->OnUpdate(update);
-      });
+  if (started_) {
+    if (started_->ok()) subscription_->Join(party);
+    return *started_;
+  }
+  auto subscription = engine.SubscribeFor(party, scene_id, spec,
+                                          [weak = weak_from_this()](const ArtifactUpdate& update) {
+                                            // Held during the call: a listener may drop the last
+                                            // other owner.
+                                            if (const auto stream = weak.lock())
+                                              stream->OnUpdate(update);
+                                          });
   started_ = subscription.status();
   if (subscription.ok()) subscription_ = *std::move(subscription);
   return *started_;
 }
+
+void ArtifactStream::Leave(const Party& party) { subscription_->Leave(party); }
 
 StreamState ArtifactStream::Latest() const {
   std::lock_guard lock(mutex_);
@@ -91,7 +111,8 @@ void ArtifactStream::Publish(const ArtifactUpdate& update) {
   for (const auto& listener : listeners) listener->OnStreamChanged();
 }
 
-absl::StatusOr<std::shared_ptr<ArtifactStream>> StreamTable::Follow(const std::string& scene_id,
+absl::StatusOr<std::shared_ptr<ArtifactStream>> StreamTable::Follow(const Party& party,
+                                                                    const std::string& scene_id,
                                                                     const std::string& incarnation,
                                                                     const ArtifactSpec& spec) {
   std::shared_ptr<ArtifactStream> stream;
@@ -103,8 +124,9 @@ absl::StatusOr<std::shared_ptr<ArtifactStream>> StreamTable::Follow(const std::s
     if (!stream) slot = stream = std::make_shared<ArtifactStream>(services_);
   }
   // Without the table's lock: a commit to this scene may be under way, which others need not await.
-  if (auto status = stream->Start(engine_, scene_id, spec); !status.ok()) return status;
-  return stream;
+  if (auto status = stream->Start(engine_, party, scene_id, spec); !status.ok()) return status;
+  const auto stake = std::make_shared<Stake>(std::move(stream), party);
+  return std::shared_ptr<ArtifactStream>(stake, stake->stream.get());
 }
 
 }  // namespace penumbra

@@ -13,6 +13,7 @@
 
 #include "absl/status/statusor.h"
 #include "render/engine/engine.h"
+#include "render/engine/party.h"
 #include "server/counters.h"
 #include "server/session/delay_line.h"
 #include "server/session/encoded_artifact.h"
@@ -54,9 +55,12 @@ class ArtifactStream : public std::enable_shared_from_this<ArtifactStream> {
  public:
   explicit ArtifactStream(StreamServices& services) : services_(services) {}
 
-  // Begins to follow the artifact, the first time that it is called; later calls wait for that.
-  // Errors  those of Engine::Subscribe
-  absl::Status Start(Engine& engine, const std::string& scene_id, const ArtifactSpec& spec);
+  // Begins to follow the artifact for `party`, the first time that it is called; later calls wait
+  // for that, and `party` joins. It is to leave once for each that was OK. Errors  those of
+  // Engine::Subscribe
+  absl::Status Start(SharedEngine& engine, const Party& party, const std::string& scene_id,
+                     const ArtifactSpec& spec);
+  void Leave(const Party& party);
 
   StreamState Latest() const;
   void AddListener(std::weak_ptr<StreamListener> listener);
@@ -79,22 +83,25 @@ class ArtifactStream : public std::enable_shared_from_this<ArtifactStream> {
   StreamState state_;
   std::vector<std::weak_ptr<StreamListener>> listeners_;
   // Last, so that it is gone before what its callback uses.
-  std::unique_ptr<Subscription> subscription_;
+  std::unique_ptr<SharedSubscription> subscription_;
 };
 
 // The streams that sessions follow now. Any thread may use it.
 class StreamTable {
  public:
-  StreamTable(Engine& engine, StreamServices& services) : engine_(engine), services_(services) {}
+  StreamTable(SharedEngine& engine, StreamServices& services)
+      : engine_(engine), services_(services) {}
 
   // The stream of `spec`, which lives as long as somebody holds it. `incarnation` is the scene's.
+  // Its jobs are done for `party`, among others, until what is returned and its copies are gone.
   // Errors  those of Engine::Subscribe
-  absl::StatusOr<std::shared_ptr<ArtifactStream>> Follow(const std::string& scene_id,
+  absl::StatusOr<std::shared_ptr<ArtifactStream>> Follow(const Party& party,
+                                                         const std::string& scene_id,
                                                          const std::string& incarnation,
                                                          const ArtifactSpec& spec);
 
  private:
-  Engine& engine_;
+  SharedEngine& engine_;
   StreamServices& services_;
   std::mutex mutex_;
   std::map<std::pair<std::string, std::string>, std::weak_ptr<ArtifactStream>>

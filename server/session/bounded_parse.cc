@@ -40,6 +40,14 @@ int64_t EmptyBytes(const Descriptor& type) {
   return static_cast<int64_t>(prototype->SpaceUsedLong()) + kAllocationBytes;
 }
 
+// Whether protobuf reads what comes under `field` with this wire type, or keeps it as unknown.
+bool IsRead(const FieldDescriptor* field, WireFormatLite::WireType wire_type) {
+  if (!field) return false;
+  const auto type = static_cast<WireFormatLite::FieldType>(field->type());
+  if (wire_type == WireFormatLite::WireTypeForFieldType(type)) return true;
+  return field->is_packable() && wire_type == WireFormatLite::WIRETYPE_LENGTH_DELIMITED;
+}
+
 // Adds up what a message on the wire will take, beside its own bytes, until it is more than `most`.
 // Groups, which no message of ours has, count as malformed.
 class ParsedSize {
@@ -53,6 +61,7 @@ class ParsedSize {
       const FieldDescriptor* field = type.FindFieldByNumber(WireFormatLite::GetTagFieldNumber(tag));
       const auto wire_type = WireFormatLite::GetTagWireType(tag);
       if (wire_type == WireFormatLite::WIRETYPE_START_GROUP) return false;
+      has_unknown_ = has_unknown_ || !IsRead(field, wire_type);
       const bool is_long = wire_type == WireFormatLite::WIRETYPE_LENGTH_DELIMITED;
       if (is_long && field && field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
         bytes_ += EmptyBytes(*field->message_type());
@@ -66,6 +75,8 @@ class ParsedSize {
   }
 
   bool is_over() const { return bytes_ > most_; }
+  // Fields that the message's type does not have, in it or in what it holds.
+  bool has_unknown() const { return has_unknown_; }
 
  private:
   bool AddNested(google::protobuf::io::CodedInputStream& in, const Descriptor& type, int depth) {
@@ -81,6 +92,7 @@ class ParsedSize {
 
   const int64_t most_;
   int64_t bytes_ = 0;
+  bool has_unknown_ = false;
 };
 
 }  // namespace
@@ -104,6 +116,7 @@ absl::Status ParseBounded(std::span<const uint8_t> bytes, const ServerLimits& li
                                            std::to_string(most) + " in memory, need fewer");
   }
   if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return Malformed();
+  if (parsed.has_unknown()) message.DiscardUnknownFields();
   return absl::OkStatus();
 }
 

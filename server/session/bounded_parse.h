@@ -15,7 +15,8 @@
 namespace penumbra {
 
 // Estimates what the sub-messages, strings, byte fields and unknown fields in `bytes` take when
-// they are parsed, before anything is allocated for them.
+// they are parsed, before anything is allocated for them. Unknown fields are dropped: nobody checks
+// what is in them, and a message that is kept or told to others would carry them along.
 //
 // Errors  kResourceExhausted QUOTA_MESSAGE_BYTES: longer than limits.max_message_bytes;
 //         kResourceExhausted QUOTA_ELEMENTS: more than honest messages of this length take;

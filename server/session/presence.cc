@@ -8,13 +8,21 @@
 #include "proto/convert/geometry_convert.h"
 #include "render/scene/field_error.h"
 #include "render/scene/scene.h"
-#include "server/storage/data_directory.h"
+#include "server/random_bytes.h"
 
 namespace penumbra {
 namespace {
 
 absl::Status Refused(const char* reason, const std::string& text) {
   return FieldError(absl::StatusCode::kFailedPrecondition, reason, "edit_control", text);
+}
+
+bool TakesFrom(const v1::TakeEditing& take, const std::string& editor) {
+  return take.from_id().empty() ? take.from_other() : take.from_id() == editor;
+}
+
+std::string NeedToEdit(const std::string& editor) {
+  return absl::StrCat("found ", editor, " editing, need to be the one editor");
 }
 
 absl::Status TooLong(const char* field, size_t found, size_t most) {
@@ -70,16 +78,16 @@ absl::Status PresenceRoom::Control(const std::string& id, const v1::EditControl&
   bool has_one_editor = has_one_editor_;
   switch (control.action_case()) {
     case v1::EditControl::kTake:
-      if (!editor_.empty() && !is_mine && !control.take().from_other()) {
-        return Refused("EDITOR_PRESENT", absl::StrCat("found ", editor_,
-                                                      " editing, need nobody, or "
-                                                      "from_other"));
+      if (!editor_.empty() && !is_mine && !TakesFrom(control.take(), editor_)) {
+        return Refused("EDITOR_PRESENT",
+                       absl::StrCat("found ", EditorName(),
+                                    " editing, need nobody, or from_other, or from_id of theirs"));
       }
       next = id;
       has_one_editor = true;
       break;
     case v1::EditControl::kHandOver:
-      if (!is_mine) return Refused("NOT_EDITOR", "found another editor, need to be it");
+      if (!is_mine) return Refused("NOT_EDITOR", NeedToEdit(EditorName()));
       if (!members_.contains(control.hand_over().participant_id())) {
         return FieldError(absl::StatusCode::kNotFound, "UNKNOWN_ID",
                           "edit_control.hand_over.participant_id",
@@ -88,7 +96,7 @@ absl::Status PresenceRoom::Control(const std::string& id, const v1::EditControl&
       next = control.hand_over().participant_id();
       break;
     case v1::EditControl::kRelease:
-      if (!is_mine) return Refused("NOT_EDITOR", "found another editor, need to be it");
+      if (!is_mine) return Refused("NOT_EDITOR", NeedToEdit(EditorName()));
       next.clear();
       has_one_editor = control.release().keep_single_editor();
       break;
@@ -108,45 +116,59 @@ absl::Status PresenceRoom::CheckMayEdit(const std::string& id) const {
   std::lock_guard lock(mutex_);
   if (!has_one_editor_ || (!id.empty() && editor_ == id)) return absl::OkStatus();
   return FieldError(absl::StatusCode::kFailedPrecondition, "NOT_EDITOR", "commit",
-                    editor_.empty()
-                        ? "found a scene of one editor, need to take editing first"
-                        : absl::StrCat("found ", editor_, " editing, need to be the one editor"));
+                    editor_.empty() ? "found a scene of one editor, need to take editing first"
+                                    : NeedToEdit(EditorName()));
 }
 
-bool PresenceRoom::ChangesSince(uint64_t& told, const std::string& id,
-                                v1::PresenceUpdate& update) const {
-  std::lock_guard lock(mutex_);
-  const bool is_everything = told == 0 || told < forgotten_;
-  const uint64_t since = is_everything ? 0 : told;
+std::string PresenceRoom::EditorName() const {
+  const auto editor = members_.find(editor_);
+  if (editor == members_.end()) return "nobody";
+  const std::string& name = editor->second.participant.presence().display_name();
+  return name.empty() ? editor_ : absl::StrCat(name, " (", editor_, ")");
+}
+
+uint64_t PresenceRoom::AddParticipants(uint64_t since, const std::string& but,
+                                       v1::PresenceUpdate& update) const {
   std::vector<const Member*> changed;
   for (const auto& [member_id, member] : members_) {
-    if (member_id != id && member.version > since) changed.push_back(&member);
+    if (member_id != but && member.version > since) changed.push_back(&member);
   }
   std::sort(changed.begin(), changed.end(),
             [](const Member* a, const Member* b) { return a->version < b->version; });
-  uint64_t until = version_;
-  if (changed.size() > kMostPerUpdate) {
-    changed.resize(kMostPerUpdate);
-    until = changed.back()->version;
+  size_t bytes = 0;
+  uint64_t until = since;
+  for (const Member* member : changed) {
+    bytes += member->participant.ByteSizeLong();
+    const auto count = static_cast<size_t>(update.participants_size());
+    if (count == kMostPerUpdate || (count > 0 && bytes > kMostBytesPerUpdate)) return until;
+    *update.add_participants() = member->participant;
+    until = member->version;
   }
+  return version_;
+}
+
+bool PresenceRoom::ChangesSince(PresenceCursor& told, const std::string& id,
+                                v1::PresenceUpdate& update) const {
+  std::lock_guard lock(mutex_);
+  const bool is_everything = told.heard == 0 || told.heard < forgotten_;
+  // Whoever is listed from here on is here: those who left before are not to be told.
+  if (is_everything) told = {.listed = 0, .heard = version_};
   update.set_is_everything(is_everything);
-  for (const Member* member : changed) *update.add_participants() = member->participant;
-  if (!is_everything) {
-    for (auto left = left_.upper_bound(told); left != left_.end() && left->first <= until; ++left) {
-      update.add_left(left->second);
-    }
+  told.listed = AddParticipants(told.listed, id, update);
+  for (auto left = left_.upper_bound(told.heard); left != left_.end(); ++left) {
+    update.add_left(left->second);
   }
   update.set_single_editor(has_one_editor_);
   update.set_editor_id(editor_);
-  const bool is_new = is_everything || editor_version_ > told || update.participants_size() > 0 ||
-                      update.left_size() > 0;
-  told = until;
+  const bool is_new = is_everything || editor_version_ > told.heard ||
+                      update.participants_size() > 0 || update.left_size() > 0;
+  told.heard = version_;
   return is_new;
 }
 
-bool PresenceRoom::HasMore(uint64_t told) const {
+bool PresenceRoom::HasMore(const PresenceCursor& told) const {
   std::lock_guard lock(mutex_);
-  return told < version_;
+  return told.listed < version_;
 }
 
 void PresenceRoom::Changed() {

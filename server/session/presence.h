@@ -3,6 +3,7 @@
 //   auto room = presence.RoomOf(incarnation);
 //   const std::string me = room->Join(listener);
 //   room->Report(me, presence);
+//   PresenceCursor told;
 //   v1::PresenceUpdate update;
 //   if (room->ChangesSince(told, me, update)) Send(update);
 #pragma once
@@ -22,6 +23,12 @@
 
 namespace penumbra {
 
+// How far somebody has been told of the others: nothing yet.
+struct PresenceCursor {
+  uint64_t listed = 0;  // whatever the others said, up to this version
+  uint64_t heard = 0;   // who left and who edits, up to this one
+};
+
 // Told that there is something new, not more often than people can see it. Must not block.
 class PresenceListener {
  public:
@@ -38,6 +45,8 @@ class PresenceRoom : public std::enable_shared_from_this<PresenceRoom> {
 
   // 64 selected ids of 130 bytes, a name and a camera take 9 KB.
   static constexpr size_t kMostPerUpdate = 64;
+  // Whatever a server's limits allow: one that is larger than this comes alone.
+  static constexpr size_t kMostBytesPerUpdate = 768u << 10;
 
   explicit PresenceRoom(DelayLine& delay) : delay_(delay) {}
 
@@ -48,17 +57,19 @@ class PresenceRoom : public std::enable_shared_from_this<PresenceRoom> {
   // In place of what it said before.
   void Report(const std::string& id, v1::Presence presence);
 
-  // Errors  kFailedPrecondition EDITOR_PRESENT: another one edits and `from_other` is false;
-  //         NOT_EDITOR: it is not its to give away or to switch; kNotFound: nobody of that id
+  // Errors  kFailedPrecondition EDITOR_PRESENT: another one edits, from whom it is not to be taken
+  //         by `from_id` or, where that is empty, by `from_other`; NOT_EDITOR: it is not its to
+  //         give away or to switch; kNotFound: nobody of that id
   absl::Status Control(const std::string& id, const v1::EditControl& control);
   // Errors  kFailedPrecondition NOT_EDITOR: only one may edit, and that is another, or nobody yet
   absl::Status CheckMayEdit(const std::string& id) const;
 
-  // Writes what has changed since ChangesSince left `told` as it is; 0: everything, of as many as
-  // fit into a message. False: nothing has. Nobody is told of himself.
-  bool ChangesSince(uint64_t& told, const std::string& id, v1::PresenceUpdate& update) const;
+  // Writes what has changed since ChangesSince left `told` as it is, or as much as fits into a
+  // message. Whoever is told everything is told it in as many updates as that takes, whatever
+  // happens meanwhile. False: nothing has changed. Nobody is told of himself.
+  bool ChangesSince(PresenceCursor& told, const std::string& id, v1::PresenceUpdate& update) const;
   // Whether there is more to tell than that.
-  bool HasMore(uint64_t told) const;
+  bool HasMore(const PresenceCursor& told) const;
 
  private:
   struct Member {
@@ -67,7 +78,13 @@ class PresenceRoom : public std::enable_shared_from_this<PresenceRoom> {
     uint64_t version = 0;  // of the newest change
   };
 
-  void Changed();  // with the lock held
+  // With the lock held, as for the next two.
+  void Changed();
+  // For people: the name and, since two may have the same, the id. "nobody" where that is so.
+  std::string EditorName() const;
+  // Adds those of whom something is new, oldest first. Returns up to which version that are all.
+  uint64_t AddParticipants(uint64_t since, const std::string& but,
+                           v1::PresenceUpdate& update) const;
   void TellAll();
 
   DelayLine& delay_;

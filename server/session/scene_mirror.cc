@@ -1,20 +1,8 @@
 #include "server/session/scene_mirror.h"
 
-#include <string>
 #include <utility>
-#include <vector>
-
-#include "proto/convert/geometry_convert.h"
-#include "proto/convert/scene_convert.h"
-#include "render/scene/scene_difference.h"
 
 namespace penumbra {
-namespace {
-
-// Revisions, hash and envelope of a SceneUpdate.
-constexpr size_t kEnvelopeBytes = 128;
-
-}  // namespace
 
 void SceneMirror::Offer(std::shared_ptr<const Scene> scene) {
   if (!newest_ || newest_->revision() < scene->revision()) newest_ = std::move(scene);
@@ -35,26 +23,16 @@ bool SceneMirror::HasUpdate() const {
   return in_update() || (newest_ && (!told_ || told_->revision() < newest_->revision()));
 }
 
-v1::SceneUpdate SceneMirror::NextUpdate() {
+grpc::ByteBuffer SceneMirror::NextUpdate() {
   if (!in_update()) CatchUp(newest_);
-  v1::SceneUpdate update = std::move(pieces_.front());
-  pieces_.pop_front();
-  return update;
+  grpc::ByteBuffer message = (*pieces_)[next_piece_++];
+  if (next_piece_ == pieces_->size()) pieces_ = nullptr;
+  return message;
 }
 
 void SceneMirror::CatchUp(std::shared_ptr<const Scene> scene) {
-  const auto from = told_ ? told_ : Scene::Empty(scene->id());
-  for (auto& piece :
-       ToProtoPieces(Difference(*from, *scene), max_message_bytes_ - kEnvelopeBytes)) {
-    v1::SceneUpdate& update = pieces_.emplace_back();
-    update.set_from_revision(from->revision());
-    update.set_revision(scene->revision());
-    update.set_content_hash(ToProto(scene->content_hash()));
-    update.set_is_snapshot(!told_ && pieces_.size() == 1);
-    *update.mutable_delta() = std::move(piece);
-    update.set_is_continued(true);
-  }
-  pieces_.back().set_is_continued(false);
+  pieces_ = updates_.Between(told_, scene);
+  next_piece_ = 0;
   told_ = std::move(scene);
 }
 

@@ -4,18 +4,20 @@
 // send it: commits that come faster than the client reads melt into one.
 #pragma once
 
-#include <deque>
+#include <cstddef>
 #include <memory>
 #include <utility>
 
-#include "penumbra/v1/session.pb.h"
+#include "grpcpp/support/byte_buffer.h"
 #include "render/scene/scene.h"
+#include "server/session/scene_updates.h"
 
 namespace penumbra {
 
 class SceneMirror {
  public:
-  explicit SceneMirror(size_t max_message_bytes) : max_message_bytes_(max_message_bytes) {}
+  // `updates` outlives it.
+  explicit SceneMirror(SceneUpdates& updates) : updates_(updates) {}
 
   // The client has `scene` already. Before anything else.
   void StartFrom(std::shared_ptr<const Scene> scene) { told_ = std::move(scene); }
@@ -31,18 +33,20 @@ class SceneMirror {
   Revision told_revision() const { return told_ ? told_->revision() : 0; }
 
   bool HasUpdate() const;
-  // Only where HasUpdate().
-  v1::SceneUpdate NextUpdate();
+  // The next message of an update. Only where HasUpdate().
+  grpc::ByteBuffer NextUpdate();
   // Whether the pieces of an update are on their way.
-  bool in_update() const { return !pieces_.empty(); }
+  bool in_update() const { return pieces_ != nullptr; }
 
  private:
   void CatchUp(std::shared_ptr<const Scene> scene);
 
-  const size_t max_message_bytes_;
+  SceneUpdates& updates_;
   std::shared_ptr<const Scene> told_;    // null: nothing yet
   std::shared_ptr<const Scene> newest_;  // null: not known
-  std::deque<v1::SceneUpdate> pieces_;
+  // Of the update under way; null: none.
+  std::shared_ptr<const SceneUpdates::Messages> pieces_;
+  size_t next_piece_ = 0;
 };
 
 }  // namespace penumbra

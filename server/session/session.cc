@@ -26,7 +26,7 @@ Session::Session(const SessionServices& services, const Caller& caller, std::fun
       let_go_(std::move(let_go)),
       record_(services.ledger.Open()),
       viewer_(std::to_string(record_->number())),
-      mirror_(services.limits.max_message_bytes) {}
+      mirror_(services.updates) {}
 
 std::shared_ptr<Session> Session::Create(const SessionServices& services, const Caller& caller,
                                          std::function<void()> wake, LetGo let_go) {
@@ -59,12 +59,11 @@ Session::Output Session::Choose() {
     is_welcome_ = is_welcome_ || reply->response.has_welcome();
     return {.message = ToBytes(reply->response), .end = {}};
   }
+  SubscriptionFeed* const feed = end_ || unsent_subscribe_results_ > 0 ? nullptr : DueFeed();
   if (is_welcome_) {
-    if (const auto news = NextNews()) return {.message = ToBytes(*news), .end = {}};
+    if (auto news = NextNews(feed != nullptr)) return {.message = std::move(news), .end = {}};
   }
   if (end_ && replies_.empty()) return {.message = {}, .end = end_};
-  if (end_ || unsent_subscribe_results_ > 0) return {};
-  SubscriptionFeed* feed = DueFeed();
   if (!feed) return {};
   if (const auto skipped = feed->TakeSkipped(std::chrono::steady_clock::now())) {
     v1::SessionResponse response;
@@ -84,19 +83,20 @@ bool Session::MirrorAllows(const Reply& reply) {
   return reply.revision <= mirror_.told_revision();
 }
 
-// Of the scene and of who is in it.
-std::optional<v1::SessionResponse> Session::NextNews() {
+// Of the scene, of its principal's computing, and of who is in the scene.
+std::optional<grpc::ByteBuffer> Session::NextNews(bool is_feed_due) {
+  if (mirrors_scene_ && mirror_.HasUpdate()) return mirror_.NextUpdate();
+  if (told_over_compute_ == compute_.ok()) return ComputeNews();
+  // In a crowd there is always something new: artifacts have every other turn.
+  if (std::exchange(told_presence_last_, false) && is_feed_due) return std::nullopt;
   v1::SessionResponse response;
-  if (mirrors_scene_ && mirror_.HasUpdate()) {
-    *response.mutable_scene_update() = mirror_.NextUpdate();
-    return response;
-  }
   if (participant_id_.empty() || !std::exchange(has_presence_news_, false)) return std::nullopt;
   const bool is_new =
       room_->ChangesSince(told_presence_, participant_id_, *response.mutable_presence_update());
   has_presence_news_ = room_->HasMore(told_presence_);
   if (!is_new) return std::nullopt;
-  return response;
+  told_presence_last_ = true;
+  return ToBytes(response);
 }
 
 void Session::OnSent() {

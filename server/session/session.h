@@ -52,8 +52,9 @@ class Session : public SceneWatcher,
   Output Next();
   // What Next gave last has been taken by the connection.
   void OnSent();
-  // Lets the client go if the connection has taken nothing for Limits.max_stall.
+  // Lets the client go if the connection has taken nothing for max_stall_seconds.
   void EndIfStalled(std::chrono::steady_clock::time_point now);
+  void TellOfCompute();  // whether its principal has some in hand, where that has changed
 
   // Whether another request may be read. None may once the session is ending.
   bool has_room() const;
@@ -67,8 +68,7 @@ class Session : public SceneWatcher,
   void OnStreamChanged() override { wake_(); }
   void OnPresenceChanged() override;
 
-  // For whoever carries its messages.
-  SessionRecord& record() { return *record_; }
+  SessionRecord& record() { return *record_; }  // for whoever carries its messages
 
  private:
   struct Reply {
@@ -105,11 +105,12 @@ class Session : public SceneWatcher,
   void OnEditControl(const v1::EditControl& control);
   absl::Status Dispatch(const v1::SessionRequest& request);
   v1::SessionResponse MakeWelcome(const Scene& scene, uint32_t version) const;
-  // With the lock held, as for the next.
+  // With the lock held, as for the next three.
+  void HurryReply(const Reply& reply);
   Output Choose();
   bool MirrorAllows(const Reply& reply);
-  std::optional<v1::SessionResponse> NextNews();
-
+  std::optional<grpc::ByteBuffer> NextNews(bool is_feed_due);
+  grpc::ByteBuffer ComputeNews();
   bool is_ending() const;
   void Push(v1::SessionResponse response, std::shared_ptr<const Scene> scene = nullptr);
   void Release(std::unique_ptr<SubscriptionFeed> feed);
@@ -122,7 +123,7 @@ class Session : public SceneWatcher,
   const std::shared_ptr<SessionRecord> record_;
   const std::string viewer_;  // the engine's name for who is behind this session
 
-  // Set by the hello, then read only by OnRequest's thread.
+  // Set by the hello, before anybody else knows of the session; not changed after that.
   std::string scene_id_;
   std::string incarnation_;
   std::string client_name_;
@@ -131,19 +132,19 @@ class Session : public SceneWatcher,
 
   mutable std::mutex mutex_;  // guards all below
   bool is_welcome_ = false;   // and may be told other things
-  bool has_presence_news_ = false;
-  uint64_t told_presence_ = 0;
+  bool has_presence_news_ = false, told_presence_last_ = false, told_over_compute_ = false;
+  absl::Status compute_;  // an error: its principal has none in hand now
+  PresenceCursor told_presence_;
   std::optional<std::chrono::steady_clock::time_point> handed_over_at_;  // none: nothing under way
-  bool mirrors_scene_ = false;
+  bool mirrors_scene_ = false, closed_ = false;
   SceneMirror mirror_;
-  // In the order of the requests.
+  // In the order of the requests, but first those that ask to wait.
   std::deque<std::shared_ptr<Reply>> replies_;
   // Of these, answers to a Subscribe, before which nothing of that subscription may be sent.
   size_t unsent_subscribe_results_ = 0;
   FeedTable feeds_;
   uint64_t last_fed_ = 0;  // id of the subscription that sent last; the next one is due first
   std::optional<absl::Status> end_;
-  bool closed_ = false;
 };
 
 }  // namespace penumbra

@@ -72,10 +72,11 @@ void Session::Enter(const v1::Hello& hello, const Scene& scene) {
     welcome->response.mutable_welcome()->set_participant_id(participant_id_);
     replies_.push_back(welcome);
   }
-  WorkerPool::Lane* const lane = services_.scenes.storage_lane();
+  FairLane* const lane = services_.scenes.history_lane();
   const bool is_behind = hello.has_resume() && hello.resume().revision() != scene.revision();
   if (lane && is_behind) {
-    lane->Post([self = shared_from_this(), hello, welcome] { self->Greet(hello, *welcome); });
+    lane->Post(caller_.identity().name,
+               [self = shared_from_this(), hello, welcome] { self->Greet(hello, *welcome); });
   } else {
     Greet(hello, *welcome);
   }
@@ -100,6 +101,11 @@ absl::Status Session::CheckHello(const v1::Hello& hello) const {
 
 // May wait for the disk.
 void Session::Greet(const v1::Hello& hello, Reply& welcome) {
+  {
+    // The client may have gone before its turn came.
+    std::lock_guard lock(mutex_);
+    if (closed_) return;
+  }
   std::shared_ptr<const Scene> from;
   if (hello.has_resume()) {
     const auto at = services_.scenes.SceneAt(scene_id_, hello.resume().incarnation(),

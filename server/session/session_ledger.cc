@@ -52,6 +52,12 @@ void SessionRecord::Refuse(std::string_view request, const absl::Status& status)
   NoteRefusal(ledger_.counters_, ledger_.logger_, request, status, {{"session", number_}});
 }
 
+void SessionRecord::NoteOverQuota(const absl::Status& status) {
+  const std::string reason = FailureReason(status);
+  ledger_.counters_.CountFailure(reason);
+  ledger_.logger_.Info("over_quota", {{"session", number_}, {"reason", reason}});
+}
+
 void SessionRecord::End(const absl::Status& reason) {
   bool was_greeted = false;
   {

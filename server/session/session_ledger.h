@@ -38,6 +38,8 @@ class SessionRecord {
   void Greet(const std::string& scene_id, const std::string& client_name);
   // A request of it was refused; `request` is the protocol's word for its kind.
   void Refuse(std::string_view request, const absl::Status& status);
+  // Nothing of it was refused: its principal has used up what it is sure of.
+  void NoteOverQuota(const absl::Status& status);
   void End(const absl::Status& reason);
 
   void CountSent(uint64_t bytes);

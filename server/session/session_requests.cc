@@ -11,6 +11,7 @@
 #include "proto/convert/spec_convert.h"
 #include "proto/convert/status_convert.h"
 #include "render/scene/field_error.h"
+#include "render/scene/retry_delay.h"
 #include "render/scene/scene.h"
 #include "server/session/bounded_parse.h"
 #include "server/session/session.h"
@@ -110,7 +111,9 @@ void Session::Apply(const v1::Commit& commit, CommitCallback done) {
                           {.delta = *std::move(delta),
                            .idempotency_key = key,
                            .fingerprint = fingerprint,
-                           .author_name = client_name_},
+                           .author_name = client_name_,
+                           .principal = caller_.identity().name,
+                           .bytes = commit.delta().ByteSizeLong()},
                           weak_from_this(), std::move(done));
 }
 
@@ -149,6 +152,7 @@ void Session::AnswerCommit(Reply& reply, const absl::StatusOr<CommitOutcome>& ou
       reply.revision = outcome->revision;
     }
     reply.is_ready = true;
+    if (RetryDelayMs(outcome.status())) HurryReply(reply);
   }
   wake_();
 }
@@ -199,7 +203,8 @@ absl::StatusOr<std::unique_ptr<SubscriptionFeed>> Session::MakeFeed(
 absl::StatusOr<std::unique_ptr<SubscriptionFeed>> Session::Follow(uint64_t id,
                                                                   const ArtifactSpec& spec,
                                                                   uint32_t credit) {
-  auto stream = services_.streams.Follow(scene_id_, incarnation_, spec);
+  const Party party{.principal = caller_.identity().name, .viewer = viewer_};
+  auto stream = services_.streams.Follow(party, scene_id_, incarnation_, spec);
   if (!stream.ok()) return stream.status();
   (*stream)->AddListener(weak_from_this());
   return std::make_unique<SubscriptionFeed>(id, *std::move(stream), credit, services_.limits);

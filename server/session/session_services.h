@@ -3,11 +3,13 @@
 
 #include "server/counters.h"
 #include "server/limits.h"
+#include "server/quota/principal_quotas.h"
 #include "server/scene_store/blob_store.h"
 #include "server/scene_store/scene_store.h"
 #include "server/security/blob_access.h"
 #include "server/session/artifact_stream.h"
 #include "server/session/presence.h"
+#include "server/session/scene_updates.h"
 #include "server/session/session_ledger.h"
 
 namespace penumbra {
@@ -19,6 +21,8 @@ struct SessionServices {
   BlobAccess& blob_access;
   StreamTable& streams;
   PresenceTable& presence;
+  SceneUpdates& updates;
+  PrincipalQuotas& quotas;
   const ServerLimits& limits;
   ServerCounters& counters;
   SessionLedger& ledger;

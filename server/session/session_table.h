@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -15,26 +16,33 @@ namespace penumbra {
 
 class SessionTable {
  public:
-  explicit SessionTable(const ServerLimits& limits);
+  SessionTable(const ServerLimits& limits, const PrincipalQuotas& quotas);
   ~SessionTable();
 
-  // Errors  kResourceExhausted QUOTA_SESSIONS; after EndAll, its status
-  absl::Status Add(std::weak_ptr<Session> session);
+  // Errors  kResourceExhausted QUOTA_SESSIONS, of the server or of the session's principal, with a
+  //         retry delay; after EndAll, its status
+  absl::Status Add(std::weak_ptr<Session> session, const std::string& principal);
   // Lets no more sessions in: they end with `status`.
   void Close(const absl::Status& status);
   // Ends all sessions, those to come included.
   void EndAll(const absl::Status& status);
 
  private:
+  struct Row {
+    std::weak_ptr<Session> session;
+    std::string principal;
+  };
+
   void Sweep();
 
   const ServerLimits limits_;
+  const PrincipalQuotas& quotas_;
   std::mutex mutex_;
-  std::vector<std::weak_ptr<Session>> sessions_;
+  std::vector<Row> sessions_;
   std::optional<absl::Status> ended_;
   std::condition_variable is_over_;
   bool is_closing_ = false;
-  std::thread sweeper_;  // lets go of those that take nothing
+  std::thread sweeper_;  // lets go of those that take nothing, and tells of quotas
 };
 
 }  // namespace penumbra

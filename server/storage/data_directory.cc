@@ -1,7 +1,6 @@
 #include "server/storage/data_directory.h"
 
 #include <fcntl.h>
-#include <openssl/rand.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -16,6 +15,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "render/scene/field_error.h"
+#include "server/random_bytes.h"
 #include "server/storage/durable_file.h"
 
 namespace penumbra {
@@ -25,8 +25,9 @@ namespace fs = std::filesystem;
 
 constexpr char kFormatName[] = "penumbra-data";
 constexpr int kFormat = 1;
-constexpr char kSceneSuffix[] = ".db";
+constexpr char kDatabaseSuffix[] = ".db";
 constexpr const char* kFileSuffixes[] = {"", "-wal"};
+constexpr char kUnfinished[] = ".db.import";
 
 absl::Status Refused(const char* reason, const std::string& path, const std::string& found,
                      const char* need) {
@@ -65,16 +66,11 @@ absl::StatusOr<int> Lock(const std::string& path) {
   }
   if (::flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
   ::close(lock);
-  return Refused("DATA_DIR_LOCKED", path, "which another server has", "a folder of its own");
+  return Refused("DATA_DIR_LOCKED", path, "which another server is running on",
+                 "one of its own (--data-dir DIR), or none (--ephemeral: scenes live in memory)");
 }
 
 }  // namespace
-
-std::string RandomBytes(size_t count) {
-  std::string bytes(count, '\0');
-  RAND_bytes(reinterpret_cast<unsigned char*>(bytes.data()), static_cast<int>(count));
-  return bytes;
-}
 
 absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(const std::string& path) {
   if (auto status = CheckFolder(path); !status.ok()) return status;
@@ -126,15 +122,33 @@ absl::Status DataDirectory::Prepare() {
 }
 
 absl::Status DataDirectory::MakeFolders() const {
-  for (const char* folder : {"/scenes", "/blobs"}) {
+  for (const char* folder : {"/scenes", "/blobs", "/journals"}) {
     const std::string path = path_ + folder;
     if (::mkdir(path.c_str(), 0700) != 0 && errno != EEXIST) return FileError(path, errno);
   }
-  return SyncFolder(path_);
+  if (auto status = SyncFolder(path_); !status.ok()) return status;
+  return RemoveUnfinished();
+}
+
+absl::Status DataDirectory::RemoveUnfinished() const {
+  std::vector<std::string> unfinished;
+  std::error_code error;
+  fs::directory_iterator entry(path_ + "/scenes", error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    const size_t tilde = name.rfind('~');  // which no id has
+    if (name.find(kUnfinished, tilde) == std::string::npos) continue;
+    unfinished.push_back(entry->path().string());
+  }
+  // A folder that cannot be read is told by who looks for scenes in it.
+  for (const std::string& path : unfinished) {
+    if (auto status = RemoveDurably(path); !status.ok()) return status;
+  }
+  return absl::OkStatus();
 }
 
 std::string DataDirectory::ScenePath(const std::string& scene_id, uint64_t number) const {
-  return absl::StrCat(path_, "/scenes/", scene_id, "~", number, kSceneSuffix);
+  return absl::StrCat(path_, "/scenes/", scene_id, "~", number, kDatabaseSuffix);
 }
 
 absl::StatusOr<std::map<std::string, std::vector<uint64_t>>> DataDirectory::AllSceneFiles() const {
@@ -145,7 +159,7 @@ absl::StatusOr<std::map<std::string, std::vector<uint64_t>>> DataDirectory::AllS
     const std::string name = entry->path().filename().string();
     const size_t tilde = name.rfind('~');  // which no id has
     uint64_t number = 0;
-    if (tilde == std::string::npos || !name.ends_with(kSceneSuffix) ||
+    if (tilde == std::string::npos || !name.ends_with(kDatabaseSuffix) ||
         !absl::SimpleAtoi(name.substr(tilde + 1, name.size() - tilde - 4), &number)) {
       continue;
     }
@@ -169,6 +183,40 @@ absl::StatusOr<uint64_t> DataDirectory::NextNumber(const std::string& scene_id) 
   if (!newest.ok()) return newest.status();
   const auto found = newest->find(scene_id);
   return found == newest->end() ? 1 : found->second + 1;
+}
+
+std::string DataDirectory::JournalPath(uint64_t number) const {
+  return absl::StrCat(path_, "/journals/", number, kDatabaseSuffix);
+}
+
+absl::StatusOr<std::vector<uint64_t>> DataDirectory::Journals() const {
+  std::vector<uint64_t> numbers;
+  std::error_code error;
+  fs::directory_iterator entry(path_ + "/journals", error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    uint64_t number = 0;
+    if (!name.ends_with(kDatabaseSuffix) ||
+        !absl::SimpleAtoi(name.substr(0, name.size() - std::strlen(kDatabaseSuffix)), &number)) {
+      continue;
+    }
+    numbers.push_back(number);
+  }
+  if (error) return FileError(path_ + "/journals", error.value());
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+absl::StatusOr<uint64_t> DataDirectory::NextJournal() const {
+  const auto numbers = Journals();
+  if (!numbers.ok()) return numbers.status();
+  return numbers->empty() ? 1 : numbers->back() + 1;
+}
+
+absl::Status DataDirectory::RemoveJournal(uint64_t number) const {
+  // The log first: nobody looks for one without its journal.
+  if (auto status = RemoveDurably(JournalPath(number) + "-wal"); !status.ok()) return status;
+  return RemoveDurably(JournalPath(number));
 }
 
 absl::Status DataDirectory::RemoveScene(const std::string& scene_id, uint64_t kept) {
@@ -201,7 +249,7 @@ absl::Status DataDirectory::PutAside(const std::string& scene_id) {
   for (const uint64_t number : found->second) {
     for (const char* suffix : kFileSuffixes) {
       const std::string file = ScenePath(scene_id, number) + suffix;
-      const std::string aside = absl::StrCat(stem, number, kSceneSuffix, suffix);
+      const std::string aside = absl::StrCat(stem, number, kDatabaseSuffix, suffix);
       if (std::rename(file.c_str(), aside.c_str()) != 0 && errno != ENOENT) {
         return FileError(file, errno);
       }

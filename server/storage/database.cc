@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "render/scene/field_error.h"
+#include "server/storage/durable_file.h"
 
 namespace penumbra {
 namespace {
@@ -123,6 +124,15 @@ absl::StatusOr<Database> Database::Open(const std::string& path, const DatabaseO
 absl::Status Database::Configure() {
   CheckpointOnClose(false);
   sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  // In the place of SQLite's own, which moves everything when a transaction has made the log long:
+  // whoever waits for that transaction would wait for it as well.
+  sqlite3_wal_hook(
+      database_.get(),
+      [](void* log_pages, sqlite3*, const char*, int pages) {
+        *static_cast<int*>(log_pages) = pages;
+        return SQLITE_OK;
+      },
+      log_pages_.get());
   return Execute(kPragmas);
 }
 
@@ -137,6 +147,15 @@ absl::StatusOr<Statement> Database::Prepare(std::string_view sql) {
                                       &prepared, nullptr);
   if (code != SQLITE_OK) return ErrorOf(database_.get(), code);
   return Statement(prepared);
+}
+
+absl::Status Database::RunPrepared(std::optional<Statement>& statement, const char* sql) {
+  if (!statement) {
+    auto prepared = Prepare(sql);
+    if (!prepared.ok()) return prepared.status();
+    statement = *std::move(prepared);
+  }
+  return statement->Run();
 }
 
 absl::Status Database::Check() {
@@ -156,12 +175,42 @@ absl::Status Database::Checkpoint() {
   return code == SQLITE_OK ? absl::OkStatus() : ErrorOf(database_.get(), code);
 }
 
+absl::Status Database::CheckpointInPlace() {
+  const int code = sqlite3_wal_checkpoint_v2(database_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
+                                             nullptr, nullptr);
+  return code == SQLITE_OK ? absl::OkStatus() : ErrorOf(database_.get(), code);
+}
+
 void Database::CheckpointOnClose(bool does) {
   sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, does ? 0 : 1, nullptr);
 }
 
+absl::Status MakeDatabase(const std::string& path, const DatabaseOptions& options,
+                          const std::function<absl::Status(Database&)>& fill) {
+  const std::string beside = path + ".new";
+  for (const char* suffix : {"", "-wal"}) {
+    if (auto status = RemoveDurably(beside + suffix); !status.ok()) return status;
+  }
+  {
+    auto database = Database::Open(beside, {.create = true, .vfs = options.vfs});
+    if (!database.ok()) return database.status();
+    if (auto status = fill(*database); !status.ok()) return status;
+    // The file alone gets the name.
+    if (auto status = database->Checkpoint(); !status.ok()) return status;
+    database->CheckpointOnClose(true);  // of an empty log, which is then removed
+  }
+  if (auto status = RemoveDurably(path + "-wal"); !status.ok()) return status;
+  std::error_code error;
+  std::filesystem::rename(beside, path, error);
+  if (error) return FileError(path, error.value());
+  return SyncFolder(std::filesystem::path(path).parent_path());
+}
+
 absl::StatusOr<Transaction> Transaction::Begin(Database& database) {
-  if (auto status = database.Execute("BEGIN IMMEDIATE"); !status.ok()) return status;
+  if (auto status = database.RunPrepared(database.statements_.begin, "BEGIN IMMEDIATE");
+      !status.ok()) {
+    return status;
+  }
   return Transaction(database);
 }
 
@@ -170,7 +219,7 @@ Transaction::~Transaction() {
 }
 
 absl::Status Transaction::Commit() {
-  const absl::Status status = database_->Execute("COMMIT");
+  const absl::Status status = database_->RunPrepared(database_->statements_.commit, "COMMIT");
   if (status.ok()) database_ = nullptr;
   return status;
 }

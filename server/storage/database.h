@@ -12,7 +12,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -71,17 +73,38 @@ class Database {
   absl::StatusOr<Statement> Prepare(std::string_view sql);
   // Whether the structure of the whole file is sound. Errors  kDataLoss DAMAGED: it is not
   absl::Status Check();
-  // Moves everything from the log into the file, now or when it is closed.
+  // Moves everything from the log into the file, now or when it is closed. Nothing else does.
   absl::Status Checkpoint();
+  // The same, but the log keeps its length, which later transactions use again: on most file
+  // systems writing over is synced sooner than growing.
+  absl::Status CheckpointInPlace();
+  // Of the log, with what has been moved since it was last written from its beginning.
+  int log_pages() const { return *log_pages_; }
   void CheckpointOnClose(bool does);
 
  private:
+  friend class Transaction;
   explicit Database(sqlite3* database) : database_(database, &Close) {}
   static void Close(sqlite3* database);
   absl::Status Configure();
 
+  // What every transaction takes; none: not used yet. They end before the database does.
+  absl::Status RunPrepared(std::optional<Statement>& statement, const char* sql);
+  struct TransactionStatements {
+    std::optional<Statement> begin, commit;
+  };
+
+  std::unique_ptr<int> log_pages_ = std::make_unique<int>(0);  // SQLite keeps its address
   std::unique_ptr<sqlite3, void (*)(sqlite3*)> database_;
+  TransactionStatements statements_;
 };
+
+// Makes a database that is there at once whole, with what `fill` writes: under another name first.
+// There is none of this name; a log of an earlier one is removed.
+//
+// Errors  those of Database, and of `fill`; then there is none
+absl::Status MakeDatabase(const std::string& path, const DatabaseOptions& options,
+                          const std::function<absl::Status(Database&)>& fill);
 
 // Rolls back what it has begun unless it is committed.
 class Transaction {

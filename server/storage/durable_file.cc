@@ -71,6 +71,13 @@ absl::Status WriteDurably(const std::string& path, std::string_view content) {
   return WriteDurably(path, [&](const Append& append) { return append(content); });
 }
 
+absl::Status WriteOver(const std::string& path, std::string_view bytes) {
+  const Descriptor file{::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW)};
+  if (file.fd < 0) return FileError(path, errno);
+  if (auto status = WriteAll(file.fd, path, bytes); !status.ok()) return status;
+  return ::fsync(file.fd) == 0 ? absl::OkStatus() : FileError(path, errno);
+}
+
 absl::StatusOr<std::string> ReadFileIfThere(const std::string& path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)};
   if (file.fd < 0) {

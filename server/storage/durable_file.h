@@ -20,6 +20,9 @@ absl::Status WriteDurably(const std::string& path,
                           const std::function<absl::Status(const Append&)>& write);
 absl::Status WriteDurably(const std::string& path, std::string_view content);
 
+// Writes over the beginning of a file that is there, and syncs it.
+absl::Status WriteOver(const std::string& path, std::string_view bytes);
+
 // Empty where there is no such file.
 absl::StatusOr<std::string> ReadFileIfThere(const std::string& path);
 

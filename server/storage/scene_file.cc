@@ -1,21 +1,22 @@
 #include "server/storage/scene_file.h"
 
-#include <filesystem>
+#include <random>
 #include <utility>
 
 #include "render/scene/field_error.h"
-#include "server/storage/durable_file.h"
 #include "server/storage/scene_rows.h"
 
 namespace penumbra {
 namespace {
 
 // `previous` is the chain before a commit: rows check out by themselves once older ones are gone.
+// `journal` is the id of the journal that may have commits after the head; empty: there are none.
 constexpr char kSchema[] = R"(
 CREATE TABLE scene (
   one INTEGER PRIMARY KEY CHECK (one = 1),
   format INTEGER NOT NULL, id TEXT NOT NULL, incarnation BLOB NOT NULL, owner BLOB NOT NULL,
-  head_revision INTEGER NOT NULL, head_chain BLOB NOT NULL, seal BLOB NOT NULL) STRICT;
+  head_revision INTEGER NOT NULL, head_chain BLOB NOT NULL, seal BLOB NOT NULL,
+  journal BLOB NOT NULL) STRICT;
 CREATE TABLE commits (
   revision INTEGER PRIMARY KEY,
   content_hash BLOB NOT NULL, key TEXT NOT NULL, fingerprint BLOB NOT NULL, author TEXT NOT NULL,
@@ -27,33 +28,25 @@ CREATE TABLE snapshots (
   ) STRICT;
 )";
 
-constexpr int64_t kFormat = 1;
+// Files of format 1 have no `journal`.
+constexpr int64_t kFormat = 2;
+constexpr char kUpgrade[] = R"(
+ALTER TABLE scene ADD COLUMN journal BLOB NOT NULL DEFAULT x'';
+UPDATE scene SET format = 2;
+)";
 
-struct ChainedCommit {
-  CommitRecord commit;
-  ContentHash previous;
-  ContentHash chain;
-};
+// Of 4 KiB; three for a small commit. On the average over all files.
+constexpr int kCheckpointPages = 200;
 
-// Of a row of all columns of `commits`. Errors  kDataLoss DAMAGED: the row does not fit its hashes
-absl::StatusOr<ChainedCommit> CheckedCommit(const Statement& row) {
-  auto commit = CommitIn(row);
-  if (!commit.ok()) return commit.status();
-  const auto delta_hash = HashIn(row, 7), previous = HashIn(row, 8), chain = HashIn(row, 9);
-  if (!delta_hash.ok() || !previous.ok() || !chain.ok()) return Damaged("hashes of no length");
-  if (*chain != NextChain(*previous, *commit, *delta_hash)) {
-    return Damaged("a commit that does not fit its hash");
-  }
-  if (!row.IsNull(6) && HashOfBytes(commit->delta) != *delta_hash) {
-    return Damaged("a delta that does not fit its hash");
-  }
-  return ChainedCommit{*std::move(commit), *previous, *chain};
+std::minstd_rand& Random() {
+  static thread_local std::minstd_rand random(std::random_device{}());
+  return random;
 }
 
 absl::Status CreateTables(Database& database, const SceneIdentity& identity) {
   if (auto status = database.Execute(kSchema); !status.ok()) return status;
-  auto insert =
-      database.Prepare("INSERT INTO scene VALUES (1, ?, ?, ?, ?, 0, zeroblob(32), zeroblob(32))");
+  auto insert = database.Prepare(
+      "INSERT INTO scene VALUES (1, ?, ?, ?, ?, 0, zeroblob(32), zeroblob(32), x'')");
   if (!insert.ok()) return insert.status();
   insert->Bind(1, kFormat);
   insert->BindText(2, identity.scene_id);
@@ -64,32 +57,23 @@ absl::Status CreateTables(Database& database, const SceneIdentity& identity) {
 
 }  // namespace
 
+SceneFile::SceneFile(Database database)
+    : database_(std::move(database)),
+      checkpoint_pages_(std::uniform_int_distribution<int>(
+          kCheckpointPages / 2, kCheckpointPages + kCheckpointPages / 2)(Random())) {}
+
 absl::StatusOr<std::unique_ptr<SceneFile>> SceneFile::Create(const std::string& path,
                                                              const SceneIdentity& identity,
                                                              const DatabaseOptions& options,
                                                              const SceneState& start) {
-  const std::string beside = path + ".new";
-  for (const char* suffix : {"", "-wal"}) {
-    if (auto status = RemoveDurably(beside + suffix); !status.ok()) return status;
-  }
-  {
-    auto database = Database::Open(beside, {.create = true, .vfs = options.vfs});
-    if (!database.ok()) return database.status();
-    SceneFile file(*std::move(database));
+  absl::Status made = MakeDatabase(path, options, [&](Database& database) {
+    SceneFile file(std::move(database));
     file.identity_ = identity;
-    if (auto status = file.Begin(start); !status.ok()) return status;
-    // The file alone gets the name.
-    if (auto status = file.database_.Checkpoint(); !status.ok()) return status;
-    file.database_.CheckpointOnClose(true);  // of an empty log, which is then removed
-  }
-  // A log of an earlier file of this name is none of this one's.
-  if (auto status = RemoveDurably(path + "-wal"); !status.ok()) return status;
-  std::error_code error;
-  std::filesystem::rename(beside, path, error);
-  if (error) return FileError(path, error.value());
-  if (auto status = SyncFolder(std::filesystem::path(path).parent_path()); !status.ok()) {
-    return status;
-  }
+    absl::Status begun = file.Begin(start);
+    database = std::move(file.database_);
+    return begun;
+  });
+  if (!made.ok()) return made;
   return Open(path, options);
 }
 
@@ -108,7 +92,7 @@ absl::Status SceneFile::Begin(const SceneState& start) {
   for (const CommitRecord& commit : start.commits) {
     if (auto status = Insert(commit, /*with_delta=*/true, head); !status.ok()) return status;
   }
-  if (auto status = WriteHead(head); !status.ok()) return status;
+  if (auto status = WriteHead(head, /*journal=*/""); !status.ok()) return status;
   return transaction->Commit();
 }
 
@@ -135,25 +119,31 @@ absl::Status SceneFile::Verify() {
 }
 
 absl::Status SceneFile::ReadIdentity() {
-  auto row = database_.Prepare(
-      "SELECT format, id, incarnation, owner, head_revision, head_chain, seal FROM scene");
-  if (!row.ok()) return row.status();
-  const auto found = row->Step();
-  if (!found.ok()) return found.status();
-  if (!*found) return Damaged("no scene");
-  if (row->Integer(0) > kFormat) {
+  auto format = database_.Prepare("SELECT format FROM scene");
+  if (!format.ok()) return format.status();
+  const auto is_there = format->Step();
+  if (!is_there.ok()) return is_there.status();
+  if (!*is_there) return Damaged("no scene");
+  format_ = format->Integer(0);
+  if (format_ > kFormat) {
     return FieldError(absl::StatusCode::kFailedPrecondition, "NEWER_FORMAT", "format",
-                      "found " + std::to_string(row->Integer(0)) + ", need at most " +
+                      "found " + std::to_string(format_) + ", need at most " +
                           std::to_string(kFormat) + ": a newer server wrote it");
   }
-  identity_ = {.scene_id = std::string(row->Text(1)),
-               .incarnation = std::string(row->Blob(2)),
-               .owner = std::string(row->Blob(3))};
-  const auto chain = HashIn(*row, 5);
-  const auto seal = HashIn(*row, 6);
+  auto row = database_.Prepare(
+      std::string("SELECT id, incarnation, owner, head_revision, head_chain, seal, ") +
+      (format_ == 1 ? "x''" : "journal") + " FROM scene");
+  if (!row.ok()) return row.status();
+  if (const auto found = row->Step(); !found.ok()) return found.status();
+  identity_ = {.scene_id = std::string(row->Text(0)),
+               .incarnation = std::string(row->Blob(1)),
+               .owner = std::string(row->Blob(2))};
+  const auto chain = HashIn(*row, 4);
+  const auto seal = HashIn(*row, 5);
   if (!chain.ok() || !seal.ok()) return Damaged("hashes of another length");
-  head_ = {.revision = static_cast<Revision>(row->Integer(4)), .chain = *chain};
-  if (row->Integer(0) != kFormat || *seal != SealOf(identity_, head_)) {
+  head_ = {.revision = static_cast<Revision>(row->Integer(3)), .chain = *chain};
+  journal_ = std::string(row->Blob(6));
+  if (format_ < 1 || *seal != SealOf(identity_, head_, journal_)) {
     return Damaged("a seal that does not fit");
   }
   return absl::OkStatus();
@@ -198,17 +188,17 @@ absl::Status SceneFile::VerifyCommits() {
   Revision last = *oldest;  // with everything up to it accounted for
   std::optional<Revision> row_before;
   std::optional<ContentHash> chain_before;
-  auto rows = database_.Prepare(
-      "SELECT revision, content_hash, key, fingerprint, author, time_ms, delta, delta_hash, "
-      "previous, chain FROM commits ORDER BY revision");
+  auto rows = database_.Prepare(std::string("SELECT ") + kChainedColumns +
+                                " FROM commits ORDER BY revision");
   if (!rows.ok()) return rows.status();
   absl::Status status = ForEachRow(*rows, [&](const Statement& row) -> absl::Status {
-    const auto checked = CheckedCommit(row);
+    const auto checked = ChainedCommitIn(row);
     if (!checked.ok()) return checked.status();
-    const auto& [commit, previous, chain] = *checked;
+    const CommitRecord& commit = checked->commit;
     const bool follows = row_before && *row_before + 1 == commit.revision;
-    if (follows && *chain_before != previous) return Damaged("commits of two histories");
-    if (commit.revision == 1 && previous != FirstChain(identity_)) {
+    if (follows && *chain_before != checked->link.previous)
+      return Damaged("commits of two histories");
+    if (commit.revision == 1 && checked->link.previous != FirstChain(identity_)) {
       return Damaged("a first commit of another scene");
     }
     if (commit.revision > *oldest) {
@@ -216,7 +206,7 @@ absl::Status SceneFile::VerifyCommits() {
       last = commit.revision;
     }
     row_before = commit.revision;
-    chain_before = chain;
+    chain_before = checked->link.chain;
     return absl::OkStatus();
   });
   if (!status.ok()) return status;
@@ -229,6 +219,16 @@ absl::Status SceneFile::VerifyCommits() {
   if (!row_before && *oldest == 0 && head_.chain != FirstChain(identity_)) {
     return Damaged("a head without commits");
   }
+  return absl::OkStatus();
+}
+
+absl::Status SceneFile::Upgrade() {
+  if (format_ == kFormat) return absl::OkStatus();
+  auto transaction = Transaction::Begin(database_);
+  if (!transaction.ok()) return transaction.status();
+  if (auto status = database_.Execute(kUpgrade); !status.ok()) return status;
+  if (auto status = transaction->Commit(); !status.ok()) return status;
+  format_ = kFormat;
   return absl::OkStatus();
 }
 

@@ -22,6 +22,15 @@ absl::StatusOr<std::vector<CommitRecord>> CommitsIn(Statement& rows) {
   return commits;
 }
 
+absl::StatusOr<std::optional<SnapshotRecord>> FirstSnapshotIn(Statement& rows) {
+  const auto found = rows.Step();
+  if (!found.ok()) return found.status();
+  if (!*found) return std::nullopt;
+  auto snapshot = SnapshotIn(rows);
+  if (!snapshot.ok()) return snapshot.status();
+  return std::optional(*std::move(snapshot));
+}
+
 absl::Status OutOfRange(const char* reason, Revision found, const char* need, Revision limit) {
   return FieldError(
       absl::StatusCode::kOutOfRange, reason, "revision",
@@ -44,26 +53,34 @@ absl::StatusOr<Revision> SceneFile::OldestRevision() {
   return first->Integer(0) > 0 ? 0 : snapshot;
 }
 
-absl::StatusOr<SceneState> SceneFile::StateAt(Revision revision) {
+absl::StatusOr<std::optional<SnapshotRecord>> SceneFile::SnapshotFor(Revision revision) {
   if (revision > head_.revision) {
     return OutOfRange("FUTURE_BASE", revision, "at most", head_.revision);
   }
   const auto oldest = OldestRevision();
   if (!oldest.ok()) return oldest.status();
   if (revision < *oldest) return OutOfRange("COMPACTED", revision, "at least", *oldest);
-  SceneState state;
-  auto snapshot = database_.Prepare(
+  auto rows = database_.Prepare(
       "SELECT revision, content_hash, body FROM snapshots WHERE revision <= ? "
       "ORDER BY revision DESC LIMIT 1");
+  if (!rows.ok()) return rows.status();
+  rows->Bind(1, revision);
+  return FirstSnapshotIn(*rows);
+}
+
+absl::StatusOr<std::optional<SnapshotRecord>> SceneFile::SnapshotAfter(Revision after) {
+  auto rows = database_.Prepare(
+      "SELECT revision, content_hash, body FROM snapshots WHERE revision > ? "
+      "ORDER BY revision LIMIT 1");
+  if (!rows.ok()) return rows.status();
+  rows->Bind(1, after);
+  return FirstSnapshotIn(*rows);
+}
+
+absl::StatusOr<SceneState> SceneFile::StateAt(Revision revision) {
+  auto snapshot = SnapshotFor(revision);
   if (!snapshot.ok()) return snapshot.status();
-  snapshot->Bind(1, revision);
-  const auto found = snapshot->Step();
-  if (!found.ok()) return found.status();
-  if (*found) {
-    auto newest = SnapshotIn(*snapshot);
-    if (!newest.ok()) return newest.status();
-    state.snapshot = *std::move(newest);
-  }
+  SceneState state{.snapshot = *std::move(snapshot)};
   auto rows = database_.Prepare(std::string(kCommitColumns) +
                                 "WHERE revision > ? AND revision <= ? ORDER BY revision");
   if (!rows.ok()) return rows.status();
@@ -83,6 +100,62 @@ absl::StatusOr<std::vector<CommitRecord>> SceneFile::History(Revision after) {
   return CommitsIn(*rows);
 }
 
+absl::StatusOr<HistorySpan> SceneFile::Span() {
+  const auto oldest = OldestRevision();
+  if (!oldest.ok()) return oldest.status();
+  const ContentHash empty = Scene::Empty(identity_.scene_id)->content_hash();
+  HistorySpan span{.oldest = *oldest,
+                   .oldest_content = empty,
+                   .oldest_chain = FirstChain(identity_),
+                   .head = head_,
+                   .content_hash = empty};
+  auto snapshot = database_.Prepare("SELECT content_hash, chain FROM snapshots WHERE revision = ?");
+  if (!snapshot.ok()) return snapshot.status();
+  snapshot->Bind(1, *oldest);
+  const auto found = snapshot->Step();
+  if (!found.ok()) return found.status();
+  if (*found) {
+    const auto content = HashIn(*snapshot, 0), chain = HashIn(*snapshot, 1);
+    if (!content.ok() || !chain.ok()) return Damaged("hashes of another length");
+    span.oldest_content = *content;
+    span.oldest_chain = *chain;
+    span.content_hash = *content;
+  }
+  auto newest = database_.Prepare("SELECT content_hash FROM commits WHERE revision = ?");
+  if (!newest.ok()) return newest.status();
+  newest->Bind(1, head_.revision);
+  const auto is_there = newest->Step();
+  if (!is_there.ok()) return is_there.status();
+  if (!*is_there) return span;
+  const auto content = HashIn(*newest, 0);
+  if (!content.ok()) return content.status();
+  span.content_hash = *content;
+  return span;
+}
+
+absl::StatusOr<std::vector<CommitRecord>> SceneFile::CommitsAfter(Revision after, Revision last,
+                                                                  uint64_t max_bytes) {
+  auto rows = database_.Prepare(
+      std::string(kCommitColumns) +
+      "WHERE revision > ? AND revision <= ? AND delta IS NOT NULL ORDER BY revision");
+  if (!rows.ok()) return rows.status();
+  rows->Bind(1, after);
+  rows->Bind(2, last);
+  std::vector<CommitRecord> commits;
+  uint64_t bytes = 0;
+  while (bytes < max_bytes) {
+    const auto row = rows->Step();
+    if (!row.ok()) return row.status();
+    if (!*row) break;
+    auto commit = CommitIn(*rows);
+    if (!commit.ok()) return commit.status();
+    constexpr uint64_t kRowBytes = 256;  // of what there is besides the delta
+    bytes += commit->delta.size() + kRowBytes;
+    commits.push_back(*std::move(commit));
+  }
+  return commits;
+}
+
 absl::StatusOr<std::vector<CommitRecord>> SceneFile::Answers(const HistoryLimits& limits) {
   auto rows = database_.Prepare(
       "SELECT revision, content_hash, key, fingerprint, author, time_ms, NULL FROM commits "
@@ -92,13 +165,6 @@ absl::StatusOr<std::vector<CommitRecord>> SceneFile::Answers(const HistoryLimits
   auto commits = CommitsIn(*rows);
   if (commits.ok()) std::reverse(commits->begin(), commits->end());
   return commits;
-}
-
-absl::Status SceneFile::ForEachBody(const std::function<absl::Status(std::string_view)>& visit) {
-  auto rows = database_.Prepare(
-      "SELECT body FROM snapshots UNION ALL SELECT delta FROM commits WHERE delta IS NOT NULL");
-  if (!rows.ok()) return rows.status();
-  return ForEachRow(*rows, [&](const Statement& row) { return visit(row.Blob(0)); });
 }
 
 }  // namespace penumbra

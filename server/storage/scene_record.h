@@ -1,26 +1,13 @@
 // What is kept of a scene on disk, and the hashes that hold it together. Deltas are bytes here.
 #pragma once
 
-#include <cstdint>
 #include <string>
-#include <string_view>
-#include <vector>
 
+#include "render/scene/commit_record.h"
 #include "render/scene/content_hash.h"
 #include "render/scene/scene.h"
 
 namespace penumbra {
-
-// A commit as it is kept.
-struct CommitRecord {
-  Revision revision = 0;
-  ContentHash content_hash;  // of the scene after it
-  std::string key;           // idempotency key; empty: none
-  ContentHash fingerprint;   // of the delta as the client sent it, where there is a key
-  std::string author;        // the client's name
-  int64_t time_ms = 0;       // since 1970, UTC
-  std::string delta;         // v1.SceneDelta; empty where history has been compacted
-};
 
 // A whole scene as it is kept.
 struct SnapshotRecord {
@@ -46,15 +33,9 @@ struct SceneHead {
 
 // The chain before the first commit.
 ContentHash FirstChain(const SceneIdentity& identity);
-// The chain after `commit`, whose delta has the hash `delta_hash`: two scenes with equal chains
-// have had the same commits.
-ContentHash NextChain(const ContentHash& chain, const CommitRecord& commit,
-                      const ContentHash& delta_hash);
 ContentHash HashOf(const SnapshotRecord& snapshot);
-// Over what a file says it is about and how far it goes.
-ContentHash SealOf(const SceneIdentity& identity, const SceneHead& head);
-
-ContentHash HashOfBytes(std::string_view bytes);
-std::string_view BytesOf(const ContentHash& hash);
+// Over what a file says it is about, how far it goes, and in which journal there may be more.
+ContentHash SealOf(const SceneIdentity& identity, const SceneHead& head,
+                   const std::string& journal);
 
 }  // namespace penumbra

@@ -1,6 +1,7 @@
 #include "server/storage/scene_rows.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "render/scene/field_error.h"
 
@@ -31,6 +32,40 @@ absl::StatusOr<CommitRecord> CommitIn(const Statement& row) {
                       .author = std::string(row.Text(4)),
                       .time_ms = row.Integer(5),
                       .delta = std::string(row.Blob(6))};
+}
+
+ChainLink LinkOf(const ContentHash& previous, const CommitRecord& commit) {
+  const ContentHash delta_hash = HashOfBytes(commit.delta);
+  return {delta_hash, previous, NextChain(previous, commit, delta_hash)};
+}
+
+absl::StatusOr<ChainedCommit> ChainedCommitIn(const Statement& row) {
+  auto commit = CommitIn(row);
+  if (!commit.ok()) return commit.status();
+  const auto delta_hash = HashIn(row, 7), previous = HashIn(row, 8), chain = HashIn(row, 9);
+  if (!delta_hash.ok() || !previous.ok() || !chain.ok()) return Damaged("hashes of no length");
+  if (*chain != NextChain(*previous, *commit, *delta_hash)) {
+    return Damaged("a commit that does not fit its hash");
+  }
+  if (!row.IsNull(6) && HashOfBytes(commit->delta) != *delta_hash) {
+    return Damaged("a delta that does not fit its hash");
+  }
+  return ChainedCommit{*std::move(commit), {*delta_hash, *previous, *chain}};
+}
+
+absl::Status InsertChained(Statement& insert, const CommitRecord& commit, const ChainLink& link,
+                           bool with_delta) {
+  insert.Bind(1, commit.revision);
+  insert.BindBlob(2, BytesOf(commit.content_hash));
+  insert.BindText(3, commit.key);
+  insert.BindBlob(4, BytesOf(commit.fingerprint));
+  insert.BindText(5, commit.author);
+  insert.Bind(6, commit.time_ms);
+  if (with_delta) insert.BindBlob(7, commit.delta);
+  insert.BindBlob(8, BytesOf(link.delta_hash));
+  insert.BindBlob(9, BytesOf(link.previous));
+  insert.BindBlob(10, BytesOf(link.chain));
+  return insert.Run();
 }
 
 absl::StatusOr<SnapshotRecord> SnapshotIn(const Statement& row) {

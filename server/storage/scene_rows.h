@@ -21,6 +21,28 @@ inline constexpr char kCommitColumns[] =
 // Of a row of kCommitColumns. Errors  kDataLoss DAMAGED
 absl::StatusOr<CommitRecord> CommitIn(const Statement& row);
 
+// What ties a commit to those before it.
+struct ChainLink {
+  ContentHash delta_hash;
+  ContentHash previous;  // chain before the commit
+  ContentHash chain;     // after it
+};
+ChainLink LinkOf(const ContentHash& previous, const CommitRecord& commit);
+
+struct ChainedCommit {
+  CommitRecord commit;
+  ChainLink link;
+};
+
+// The columns of a table that keeps chained commits, in the order in which the next two know them.
+inline constexpr char kChainedColumns[] =
+    "revision, content_hash, key, fingerprint, author, time_ms, delta, delta_hash, previous, chain";
+// Of a row that begins with kChainedColumns. Errors  kDataLoss DAMAGED: it does not fit its hashes
+absl::StatusOr<ChainedCommit> ChainedCommitIn(const Statement& row);
+// The parameters 1 to 10 of `insert`, which is run.
+absl::Status InsertChained(Statement& insert, const CommitRecord& commit, const ChainLink& link,
+                           bool with_delta);
+
 // Of a row that begins with revision, content_hash, body. Errors  kDataLoss DAMAGED
 absl::StatusOr<SnapshotRecord> SnapshotIn(const Statement& row);
 

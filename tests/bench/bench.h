@@ -36,6 +36,7 @@ std::vector<Row> MethodsSuite(const BenchOptions& options);
 std::vector<Row> GrowthSuite(const BenchOptions& options);
 std::vector<Row> RadianceSuite(const BenchOptions& options);
 std::vector<Row> ServiceSuite(const BenchOptions& options);
+std::vector<Row> QueueSuite(const BenchOptions& options);
 std::vector<Row> CoherentRaytraceSuite(const BenchOptions& options);
 std::vector<Row> GlSuite(const BenchOptions& options);
 std::vector<Row> LightViewSuite(const BenchOptions& options);
@@ -46,6 +47,9 @@ std::vector<Row> ShadowWidthSuite(const BenchOptions& options);
 std::vector<Row> DistanceSuite(const BenchOptions& options);
 
 std::vector<Row> LayeredAttenuationSuite(const BenchOptions& options);
+
+// Many clients on one scene; a part of ServiceSuite.
+std::vector<Row> SharedSceneRows();
 
 // What tells how soon shadows follow a drag; a part of SoftTextureSuite.
 std::vector<Row> DragRows(const BenchOptions& options);

@@ -11,29 +11,7 @@ namespace {
 
 constexpr char kMethod[] = "/penumbra.bench.Echo/Echo";
 
-class EchoReactor final : public grpc::ServerGenericBidiReactor {
- public:
-  EchoReactor() { StartRead(&message_); }
-  void OnReadDone(bool ok) override {
-    if (ok) return StartWrite(&message_);
-    Finish(grpc::Status::OK);
-  }
-  void OnWriteDone(bool ok) override {
-    if (ok) return StartRead(&message_);
-    Finish(grpc::Status::CANCELLED);
-  }
-  void OnDone() override { delete this; }
-
- private:
-  grpc::ByteBuffer message_;
-};
-
 }  // namespace
-
-grpc::ServerGenericBidiReactor* EchoPeer::Service::CreateReactor(
-    grpc::GenericCallbackServerContext*) {
-  return new EchoReactor();
-}
 
 EchoPeer::EchoPeer() {
   grpc::ServerBuilder builder;

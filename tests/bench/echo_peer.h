@@ -8,10 +8,10 @@
 
 #include "grpcpp/channel.h"
 #include "grpcpp/client_context.h"
-#include "grpcpp/generic/async_generic_service.h"
 #include "grpcpp/server.h"
 #include "grpcpp/support/byte_buffer.h"
 #include "grpcpp/support/sync_stream.h"
+#include "tests/support/echo_service.h"
 
 namespace penumbra::bench {
 
@@ -25,11 +25,7 @@ class EchoPeer {
   double RoundTripMs(const grpc::ByteBuffer& message);
 
  private:
-  class Service final : public grpc::CallbackGenericService {
-    grpc::ServerGenericBidiReactor* CreateReactor(grpc::GenericCallbackServerContext*) override;
-  };
-
-  Service service_;
+  testing::EchoService service_;
   std::unique_ptr<grpc::Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
   grpc::ClientContext context_;

@@ -35,6 +35,7 @@ constexpr NamedSuite kSuites[] = {{"soft_texture", SoftTextureSuite},
                                   {"coherent_raytrace", CoherentRaytraceSuite},
                                   {"shadow_volume", ShadowVolumeSuite},
                                   {"service", ServiceSuite},
+                                  {"queue", QueueSuite},
                                   {"gl", GlSuite},
                                   {"light_view", LightViewSuite}};
 

@@ -125,18 +125,21 @@ std::vector<Row> ServiceSuite(const BenchOptions& options) {
       }));
   inbox.Await(first);
   EchoPeer echo;
-  const Rounds rounds = Measure(options, *engine, inbox, echo);
-  const double beyond = Median(rounds.beyond_compute_ms);
-  const double echo_ms = Median(rounds.echo_ms);
+  const Rounds measured = Measure(options, *engine, inbox, echo);
+  const double beyond = Median(measured.beyond_compute_ms);
+  const double echo_ms = Median(measured.echo_ms);
   const std::string prefix = "service.delta_to_artifact.";
-  return {{prefix + "latency_median", Median(rounds.latency_ms), "ms"},
-          {prefix + "latency_p99", Percentile(rounds.latency_ms, 0.99), "ms"},
-          {prefix + "compute_median", Median(rounds.compute_ms), "ms"},
-          {prefix + "beyond_compute_median", beyond, "ms"},
-          {prefix + "beyond_compute_p99", Percentile(rounds.beyond_compute_ms, 0.99), "ms"},
-          {prefix + "update_bytes", Median(rounds.bytes), "bytes"},
-          {prefix + "echo_median", echo_ms, "ms"},
-          {prefix + "overhead_vs_echo", beyond / echo_ms, "ratio"}};
+  std::vector<Row> rows{
+      {prefix + "latency_median", Median(measured.latency_ms), "ms"},
+      {prefix + "latency_p99", Percentile(measured.latency_ms, 0.99), "ms"},
+      {prefix + "compute_median", Median(measured.compute_ms), "ms"},
+      {prefix + "beyond_compute_median", beyond, "ms"},
+      {prefix + "beyond_compute_p99", Percentile(measured.beyond_compute_ms, 0.99), "ms"},
+      {prefix + "update_bytes", Median(measured.bytes), "bytes"},
+      {prefix + "echo_median", echo_ms, "ms"},
+      {prefix + "overhead_vs_echo", beyond / echo_ms, "ratio"}};
+  for (Row& row : SharedSceneRows()) rows.push_back(std::move(row));
+  return rows;
 }
 
 }  // namespace penumbra::bench

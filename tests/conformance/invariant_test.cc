@@ -64,7 +64,7 @@ TEST_P(InvariantTest, RigidMotionAndUniformScaleChangeNothing) {
   ExpectAlike(grid, moved, 2.01f / 64, 0.01f);
 }
 
-TEST_P(InvariantTest, ALightShrunkToAPointGivesTheHardShadow) {
+TEST_P(InvariantTest, A12ALightShrunkToAPointGivesTheHardShadow) {
   const Vec3 at(0.1f, 2, 0.05f);
   const auto hard = Visibilities(Boxes(PointLight{.position = at}));
   const LightShape tiny[] = {

@@ -55,7 +55,7 @@ TEST_P(ShadowTest, WhatDoesNotCastCastsNothing) {
   }
 }
 
-TEST_P(ShadowTest, AMirroredBoxShadowsAsTheBox) {
+TEST_P(ShadowTest, A15AMirroredBoxShadowsAsTheBox) {
   for (const auto& [name, light] : LightsOverhead()) {
     Stage stage{.light = light,
                 .receiver = OddFloor(),
@@ -78,7 +78,7 @@ TEST_P(ShadowTest, AMaskLetsLightThroughWhereItIsClear) {
 }
 
 // The receiver lies on an instance that casts: it does not shadow itself.
-TEST_P(ShadowTest, ASurfaceDoesNotShadowItself) {
+TEST_P(ShadowTest, A18ASurfaceDoesNotShadowItself) {
   Stage stage{
       .light = LightsOverhead()[0].second,
       .receiver = {.id = "receiver", .shape = PlanarInstance{"table"}, .width = 20, .height = 20}};

@@ -9,7 +9,7 @@ from source_tree import files
 CALL = re.compile(r"\b([A-Za-z_]\w*)\s*\(([^()]*)\)")
 KEYWORDS = {"PUBLIC", "PRIVATE", "INTERFACE"}
 FROM_ROOT = "//"
-LISTS = {"SOURCES", "LINKS", "PRIVATE_LINKS", "LABELS", "TIMEOUT"}
+LISTS = {"SOURCES", "LINKS", "PRIVATE_LINKS", "LABELS", "TIMEOUT", "MUTANTS"}
 
 
 @dataclasses.dataclass
@@ -34,8 +34,10 @@ def _read_call(targets, folder, command, words):
     if not words or "$" in words[0]:
         return
     name, rest = words[0], words[1:]
+    if command == "penumbra_fuzz":
+        name = f"fuzz_{name}"
     target = targets.setdefault(name, Target(name, folder))
-    if command in ("penumbra_library", "penumbra_test"):
+    if command in ("penumbra_library", "penumbra_test", "penumbra_fuzz"):
         lists = _split_lists(rest)
         sources = lists.get("SOURCES", [])
         target.links |= set(lists.get("LINKS", []) + lists.get("PRIVATE_LINKS", []))
@@ -53,8 +55,8 @@ def _read_call(targets, folder, command, words):
 
 def read_targets(root):
     """Name → Target for everything under `root`."""
-    commands = {"penumbra_library", "penumbra_test", "add_executable", "add_library",
-                "target_link_libraries"}
+    commands = {"penumbra_library", "penumbra_test", "penumbra_fuzz", "add_executable",
+                "add_library", "target_link_libraries"}
     targets = {}
     for path in files(root, ".txt"):
         if path.name != "CMakeLists.txt":

@@ -9,6 +9,7 @@ import shutil
 import tempfile
 import unittest
 
+import check_catalogue
 import check_docs
 import check_format
 import check_layers
@@ -237,6 +238,61 @@ class DocsTest(TreeTest):
     def test_record_that_is_not_listed(self):
         self.write("docs/adr/0002-b.md", "# 0002\n")
         self.assert_finds(self.found(), "0002-b.md is missing")
+
+
+class CatalogueTest(TreeTest):
+    ROWS = ('[A01]\nwhat = "numbers"\ntests = ["Mesh.A01*", "Deltas/A01Nan"]\n'
+            '[B01]\nwhat = "names"\ntests = ["Wire.test_B01_names"]\n'
+            '[B02]\nwhat = "images"\ndoes_not_apply = "there are none"\n')
+
+    def setUp(self):
+        super().setUp()
+        self.write("tests/unit/mesh_test.cc", "TEST_F(Mesh, A01NanAndMore) {\nTEST(Mesh, IsMade) {\n")
+        self.write("tests/unit/deltas_test.cc",
+                   'const Row kRows[] = {{"A01Nan"}, {"Plain"}};\nTEST_P(Deltas, AreRefused) {\n'
+                   "INSTANTIATE_TEST_SUITE_P(All, Deltas, ::testing::ValuesIn(kRows));\n")
+        self.write("tests/unit/wire.py", "class Wire(TestCase):\n    def test_B01_names(self):\n")
+
+    def found(self, rows=ROWS):
+        self.write("tests/catalogue/rows.toml", rows)
+        return check_catalogue.check(self.root, {"A": 1, "B": 2})
+
+    def test_clean_tree(self):
+        self.assertEqual(self.found(), [])
+        self.assertEqual(check_catalogue.summary(self.root),
+                         "catalogue: 2 of 2 rows that apply have tests, 1 do not apply")
+
+    def test_row_that_is_missing_or_invented(self):
+        self.assertEqual(
+            self.found(self.ROWS.replace("[B02]", "[B03]")),
+            ["B02: missing in tests/catalogue/rows.toml", "B03: is no row of the catalogue"])
+
+    def test_row_without_tests_or_a_reason(self):
+        self.assert_finds(self.found(self.ROWS.replace('does_not_apply = "there are none"', "")),
+                          "B02: needs either tests or a reason")
+        self.assert_finds(self.found(self.ROWS.replace("there are none", "")),
+                          "B02: does not say why")
+
+    def test_test_that_does_not_exist(self):
+        self.write("tests/unit/mesh_test.cc", "TEST(Mesh, IsMade) {\n")
+        self.assert_finds(self.found(), "A01: there is no test Mesh.A01*")
+
+    def test_test_of_a_row_that_is_not_in_the_table(self):
+        self.add("tests/unit/wire.py", "    def test_B01_more_names(self):\n")
+        self.assert_finds(self.found(), "B01: Wire.test_B01_more_names is not in")
+
+    def test_test_of_a_row_that_does_not_apply(self):
+        self.add("tests/unit/mesh_test.cc", "TEST(Mesh, B02Images) {\n")
+        self.assert_finds(self.found(), "B02: Mesh.B02Images is not in")
+
+    def test_row_whose_tests_have_other_names(self):
+        self.write("tests/unit/wire.py", "")
+        self.assert_finds(self.found(self.ROWS.replace("Wire.test_B01_names", "Mesh.IsMade")),
+                          "no test has a name that begins with B01")
+
+    def test_test_of_no_row(self):
+        self.add("tests/unit/mesh_test.cc", "TEST(Mesh, A09Nothing) {\n")
+        self.assert_finds(self.found(), "Mesh.A09Nothing: A09 is no row")
 
 
 class TechniquesTest(TreeTest):

@@ -33,6 +33,42 @@ class ScriptTest(unittest.TestCase):
         return run.stdout
 
 
+class FuzzAllTest(ScriptTest):
+    SOUND = "echo stat::number_of_executed_units: 7 >&2\n"
+
+    def setUp(self):
+        super().setUp()
+        for corpus in (ROOT / "tests/fuzz/corpus").iterdir():
+            self.program(f"fuzz_{corpus.name}", self.SOUND)
+
+    def fuzz(self, **expected):
+        return self.run_script("tests/fuzz/fuzz_all.py", ".", "1", **expected)
+
+    def run_script(self, script, *arguments, **expected):
+        self.program("run", f'exec python3 {ROOT / script} "$@"\n')
+        return super().run_script(self.folder / "run", *arguments, **expected)
+
+    def test_every_target_is_run(self):
+        output = self.fuzz(status=0, fragment="without a finding")
+        self.assertIn("scene_delta", output)
+
+    def test_a_finding_is_told(self):
+        self.program("fuzz_blob", "exit 77\n")
+        self.fuzz(status=1, fragment="FINDING (status 77)")
+
+    def test_a_target_that_is_not_run_is_told(self):
+        self.program("fuzz_new", self.SOUND)
+        self.fuzz(status=1, fragment="fuzz_new: no corpus")
+        (self.folder / "fuzz_new").unlink()
+        (self.folder / "fuzz_blob").unlink()
+        self.fuzz(status=1, fragment="blob: no program fuzz_blob")
+
+    def test_a_folder_without_targets_is_told(self):
+        for program in self.folder.glob("fuzz_*"):
+            program.unlink()
+        self.fuzz(status=1, fragment="no program fuzz_*")
+
+
 class DemoTest(ScriptTest):
     SERVER = """trap 'echo ended > {folder}/ended; exit' TERM
 echo $$ > {folder}/server.pid

@@ -7,15 +7,13 @@
 #include <string>
 #include <thread>
 
-#include "grpcpp/create_channel.h"
-#include "grpcpp/generic/async_generic_service.h"
-#include "grpcpp/impl/codegen/client_callback.h"
-#include "grpcpp/security/credentials.h"
+#include "grpcpp/generic/generic_stub.h"
 #include "grpcpp/security/server_credentials.h"
 #include "grpcpp/server.h"
 #include "grpcpp/server_builder.h"
-#include "grpcpp/support/channel_arguments.h"
-#include "grpcpp/support/sync_stream.h"
+#include "tests/load/message_stream.h"
+#include "tests/load/own_channel.h"
+#include "tests/support/echo_service.h"
 
 namespace penumbra::load {
 namespace {
@@ -26,47 +24,13 @@ constexpr char kMethod[] = "/echo.Echo/Talk";
 // What a commit of one instance takes.
 constexpr size_t kMessageBytes = 160;
 
-class EchoReactor final : public grpc::ServerGenericBidiReactor {
- public:
-  EchoReactor() { StartRead(&message_); }
-  void OnReadDone(bool ok) override {
-    if (!ok) return Finish(grpc::Status::OK);
-    StartWrite(&message_);
-  }
-  void OnWriteDone(bool ok) override {
-    if (!ok) return Finish(grpc::Status::CANCELLED);
-    StartRead(&message_);
-  }
-  void OnDone() override { delete this; }
-
- private:
-  grpc::ByteBuffer message_;
-};
-
-class EchoService final : public grpc::CallbackGenericService {
-  grpc::ServerGenericBidiReactor* CreateReactor(grpc::GenericCallbackServerContext*) override {
-    return new EchoReactor;
-  }
-};
-
 // Its answers come in the order of its messages.
 class EchoClient {
  public:
-  explicit EchoClient(const std::string& address) {
-    grpc::ChannelArguments arguments;
-    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-    channel_ = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
-    const grpc::internal::RpcMethod method(kMethod, grpc::internal::RpcMethod::BIDI_STREAMING,
-                                           channel_);
-    stream_.reset(
-        grpc::internal::ClientReaderWriterFactory<grpc::ByteBuffer, grpc::ByteBuffer>::Create(
-            channel_.get(), method, &context_));
-    reader_ = std::thread([this] { Read(); });
-  }
-  ~EchoClient() {
-    stream_->WritesDone();
-    reader_.join();
-    stream_->Finish();
+  explicit EchoClient(const std::string& address) : stub_(OwnChannel(address)) {
+    stream_.Begin([this](grpc::ClientContext* context, Stream* stream) {
+      stub_.PrepareBidiStreamingCall(context, kMethod, {}, stream);
+    });
   }
 
   void Send(const grpc::ByteBuffer& message, Clock::time_point due) {
@@ -74,7 +38,7 @@ class EchoClient {
       std::lock_guard lock(mutex_);
       due_.push_back(due);
     }
-    stream_->Write(message);
+    stream_.Send(message);
   }
   std::vector<double> TakeTimes() {
     std::lock_guard lock(mutex_);
@@ -82,29 +46,26 @@ class EchoClient {
   }
 
  private:
-  void Read() {
-    grpc::ByteBuffer message;
-    while (stream_->Read(&message)) {
-      const auto now = Clock::now();
-      std::lock_guard lock(mutex_);
-      const std::chrono::duration<double, std::milli> time = now - due_.at(times_ms_.size());
-      times_ms_.push_back(time.count());
-    }
+  using Stream = MessageStream<grpc::ByteBuffer, grpc::ByteBuffer>;
+
+  void Take() {
+    const auto now = Clock::now();
+    std::lock_guard lock(mutex_);
+    const std::chrono::duration<double, std::milli> time = now - due_.at(times_ms_.size());
+    times_ms_.push_back(time.count());
   }
 
-  std::shared_ptr<grpc::Channel> channel_;
-  grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer>> stream_;
+  grpc::GenericStub stub_;
   std::mutex mutex_;
   std::vector<Clock::time_point> due_;
   std::vector<double> times_ms_;
-  std::thread reader_;
+  Stream stream_{[this](const grpc::ByteBuffer&) { Take(); }, [](const grpc::Status&) {}};
 };
 
 }  // namespace
 
 std::vector<double> EchoLoad(int clients, double rate, double seconds) {
-  EchoService service;
+  testing::EchoService service;
   grpc::ServerBuilder builder;
   int port = 0;
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);

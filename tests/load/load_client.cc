@@ -3,58 +3,68 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "grpcpp/create_channel.h"
-#include "grpcpp/security/credentials.h"
-#include "grpcpp/support/channel_arguments.h"
 #include "proto/convert/scene_convert.h"
 #include "proto/convert/status_convert.h"
+#include "tests/load/own_channel.h"
 #include "tests/support/shapes.h"
 
 namespace penumbra::load {
 
 LoadClient::LoadClient(const std::string& address, std::string scene_id, Instance box)
-    : scene_id_(std::move(scene_id)), box_(std::move(box)) {
-  grpc::ChannelArguments arguments;
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  stub_ = v1::PenumbraService::NewStub(
-      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
-}
+    : scene_id_(std::move(scene_id)),
+      box_(std::move(box)),
+      stub_(v1::PenumbraService::NewStub(OwnChannel(address))) {}
 
-LoadClient::~LoadClient() {
-  context_.TryCancel();
-  if (reader_.joinable()) reader_.join();
-}
+LoadClient::~LoadClient() { stream_.reset(); }
 
 absl::Status LoadClient::Open() {
-  stream_ = stub_->Session(&context_);
+  stream_ = std::make_unique<Stream>(
+      [this](const v1::SessionResponse& response) {
+        std::lock_guard lock(mutex_);
+        Receive(response);
+      },
+      [this](const grpc::Status& status) { End(FromGrpcStatus(status)); });
+  stream_->Begin([this](grpc::ClientContext* context, Stream* stream) {
+    stub_->async()->Session(context, stream);
+  });
   v1::SessionRequest request;
   request.mutable_hello()->add_protocol_versions(1);
   request.mutable_hello()->set_scene_id(scene_id_);
   request.mutable_hello()->set_mirror_scene(true);
   request.mutable_hello()->set_client_name("penumbra_load");
-  stream_->Write(request);
-  reader_ = std::thread([this] { Read(); });
+  stream_->Send(std::move(request));
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, std::chrono::seconds(20), [this] { return is_welcome_ || has_ended_; });
   return is_welcome_ ? absl::OkStatus() : absl::UnavailableError("no session opens");
 }
 
 void LoadClient::Commit(Clock::time_point due) {
+  size_t number = 0;
+  {
+    std::lock_guard lock(mutex_);
+    number = commits_.size();
+  }
+  Instance moved = box_;
+  moved.world_from_mesh =
+      testing::Placed({0.001f * static_cast<float>(number % 4'000), 1.0f, 0.0f}, 0.3f);
+  SceneDelta delta;
+  delta.upsert_instances = {std::move(moved)};
+  Commit(due, std::move(delta));
+}
+
+void LoadClient::Commit(Clock::time_point due, SceneDelta delta) {
   v1::SessionRequest request;
   {
     std::lock_guard lock(mutex_);
     SentCommit& commit = commits_.emplace_back();
     const size_t number = commits_.size() - 1;
-    Instance moved = box_;
-    moved.world_from_mesh =
-        testing::Placed({0.001f * static_cast<float>(number % 4'000), 1.0f, 0.0f}, 0.3f);
-    commit.delta.upsert_instances = {std::move(moved)};
+    commit.delta = std::move(delta);
     commit.due = due;
     commit.sent = Clock::now();
     request.mutable_commit()->set_commit_id(number);
     *request.mutable_commit()->mutable_delta() = ToProto(commit.delta);
   }
-  stream_->Write(request);
+  stream_->Send(std::move(request));
 }
 
 bool LoadClient::AwaitAnswers(Clock::time_point deadline) {
@@ -66,6 +76,7 @@ bool LoadClient::AwaitAnswers(Clock::time_point deadline) {
 
 bool LoadClient::AwaitRevision(Revision revision, Clock::time_point deadline) {
   std::unique_lock lock(mutex_);
+  is_awaited_ = true;
   return changed_.wait_until(lock, deadline, [&] { return told_ >= revision || has_ended_; }) &&
          told_ >= revision;
 }
@@ -85,30 +96,26 @@ absl::Status LoadClient::status() const {
   return status_;
 }
 
-void LoadClient::Read() {
-  v1::SessionResponse response;
-  while (stream_->Read(&response)) {
-    std::lock_guard lock(mutex_);
-    Receive(response);
-    changed_.notify_all();
-  }
-  const absl::Status end = FromGrpcStatus(stream_->Finish());
+void LoadClient::End(const absl::Status& status) {
   std::lock_guard lock(mutex_);
   has_ended_ = true;
-  if (status_.ok() && !absl::IsCancelled(end)) status_ = end;
+  if (status_.ok() && !absl::IsCancelled(status)) status_ = status;
   changed_.notify_all();
 }
 
 void LoadClient::Receive(const v1::SessionResponse& response) {
-  if (response.has_welcome()) is_welcome_ = true;
-  if (response.has_scene_update() && !response.scene_update().is_continued()) {
-    Tell(response.scene_update().revision(), response.scene_update().content_hash());
+  // Those who wait, do so for the beginning and the end.
+  if (response.has_welcome()) {
+    is_welcome_ = true;
+    changed_.notify_all();
   }
+  if (response.has_scene_update()) Receive(response.scene_update());
   if (response.has_session_error()) status_ = FromProto(response.session_error().error());
   if (!response.has_commit_result()) return;
   const v1::CommitResult& result = response.commit_result();
   SentCommit& commit = commits_.at(result.commit_id());
   ++answers_;
+  if (answers_ == commits_.size()) changed_.notify_all();
   commit.answered = Clock::now();
   if (result.has_error()) {
     commit.error = FromProto(result.error()).ToString();
@@ -119,12 +126,21 @@ void LoadClient::Receive(const v1::SessionResponse& response) {
   if (result.revision() == told_ + 1) Tell(result.revision(), result.content_hash());
 }
 
+void LoadClient::Receive(const v1::SceneUpdate& update) {
+  if (!update.is_snapshot() && update.from_revision() != told_) {
+    status_ = absl::DataLossError(
+        absl::StrCat("a change from revision ", update.from_revision(), " after ", told_));
+  }
+  if (!update.is_continued()) Tell(update.revision(), update.content_hash());
+}
+
 void LoadClient::Tell(Revision revision, const std::string& hash) {
   if (revision < told_) {
     status_ = absl::DataLossError(absl::StrCat("revision ", revision, " after ", told_));
   }
   told_ = revision;
   told_hash_ = hash;
+  if (is_awaited_) changed_.notify_all();
 }
 
 }  // namespace penumbra::load

@@ -12,12 +12,12 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "penumbra/v1/service.grpc.pb.h"
 #include "render/scene/scene.h"
+#include "tests/load/message_stream.h"
 
 namespace penumbra::load {
 
@@ -43,6 +43,7 @@ class LoadClient {
   absl::Status Open();
   // Moves the box somewhere else.
   void Commit(Clock::time_point due);
+  void Commit(Clock::time_point due, SceneDelta delta);
   // Whether all commits were answered by then.
   bool AwaitAnswers(Clock::time_point deadline);
   // Whether its mirror is at that revision by then.
@@ -58,26 +59,28 @@ class LoadClient {
   absl::Status status() const;
 
  private:
-  void Read();
+  using Stream = MessageStream<v1::SessionRequest, v1::SessionResponse>;
+
   void Receive(const v1::SessionResponse& response);
+  void Receive(const v1::SceneUpdate& update);
+  void End(const absl::Status& status);
   void Tell(Revision revision, const std::string& hash);
 
   const std::string scene_id_;
   const Instance box_;
   std::unique_ptr<v1::PenumbraService::Stub> stub_;
-  grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriter<v1::SessionRequest, v1::SessionResponse>> stream_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool is_welcome_ = false;
   bool has_ended_ = false;
+  bool is_awaited_ = false;  // somebody waits for a revision
   size_t answers_ = 0;
   std::vector<SentCommit> commits_;  // by commit id, which counts from 0
   Revision told_ = 0;
   std::string told_hash_;
   absl::Status status_;
-  std::thread reader_;
+  std::unique_ptr<Stream> stream_;  // last: its callbacks use the rest
 };
 
 }  // namespace penumbra::load

@@ -5,17 +5,17 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <map>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
 #include "client/session/remote_engine.h"
-#include "proto/convert/geometry_convert.h"
 #include "tests/load/echo_load.h"
+#include "tests/load/kept_check.h"
 #include "tests/load/load_client.h"
-#include "tests/load/order_check.h"
+#include "tests/load/overload.h"
 #include "tests/load/percentiles.h"
 #include "tests/support/shapes.h"
 
@@ -47,10 +47,8 @@ std::string SceneOf(const Plan& plan, int client) {
   return absl::StrCat("load", 1 + (client - plan.viewers) % others);
 }
 
-using Clients = std::vector<std::unique_ptr<LoadClient>>;
-
 // One editor after another, spread evenly over the time.
-void Drive(const Plan& plan, Clients& clients) {
+void Drive(const Plan& plan, LoadClients& clients) {
   std::vector<LoadClient*> editors;
   for (int i = 0; i < plan.clients; ++i) {
     if (i == 0 || i >= plan.viewers) editors.push_back(clients[static_cast<size_t>(i)].get());
@@ -71,7 +69,7 @@ struct Report {
   std::vector<double> late_ms;    // from due to sent
 };
 
-Report TimesOf(const Clients& clients) {
+Report TimesOf(const LoadClients& clients) {
   using Ms = std::chrono::duration<double, std::milli>;
   Report report;
   for (const auto& client : clients) {
@@ -83,9 +81,12 @@ Report TimesOf(const Clients& clients) {
   return report;
 }
 
-absl::StatusOr<std::map<std::string, std::shared_ptr<const Scene>>> Prepare(const Plan& plan,
-                                                                            Engine& engine) {
-  std::map<std::string, std::shared_ptr<const Scene>> before;
+// On a connection that ends with it: an engine mirrors all the scenes that it has used.
+absl::StatusOr<ScenesBefore> Prepare(const Plan& plan) {
+  const auto connected = RemoteEngine::Connect({.address = plan.server});
+  if (!connected.ok()) return connected.status();
+  Engine& engine = **connected;
+  ScenesBefore before;
   for (int scene = 0; scene < plan.scenes; ++scene) {
     const std::string id = absl::StrCat("load", scene);
     engine.DeleteScene(id).IgnoreError();  // of an earlier load
@@ -100,54 +101,11 @@ absl::StatusOr<std::map<std::string, std::shared_ptr<const Scene>>> Prepare(cons
   return before;
 }
 
-// Whether every scene is what its commits make, and every client has been told so.
-bool Check(const std::map<std::string, std::shared_ptr<const Scene>>& before, Engine& engine,
-           const Clients& clients, Clock::time_point deadline) {
-  const auto infos = engine.ListScenes();
-  OrderFindings sum;
-  size_t behind = 0, broken = 0;
-  for (const SceneInfo& info : infos.ok() ? *infos : std::vector<SceneInfo>()) {
-    const auto scene = before.find(info.id);
-    if (scene == before.end()) continue;
-    std::vector<const SentCommit*> commits;
-    for (const auto& client : clients) {
-      if (client->scene_id() != info.id) continue;
-      for (const SentCommit& commit : client->commits()) commits.push_back(&commit);
-      const bool is_told = client->AwaitRevision(info.revision, deadline) &&
-                           client->told_hash() == ToProto(info.content_hash);
-      behind += !is_told;
-      broken += !client->status().ok();
-      if (!client->status().ok()) sum.errors.push_back(client->status().ToString());
-    }
-    const OrderFindings found =
-        CheckOrder(*scene->second, info.revision, ToProto(info.content_hash), commits);
-    sum.acknowledged += found.acknowledged;
-    sum.refused += found.refused;
-    sum.unanswered += found.unanswered;
-    sum.lost += found.lost;
-    sum.twice += found.twice;
-    sum.unknown += found.unknown;
-    sum.wrong_hash += found.wrong_hash;
-    sum.errors.insert(sum.errors.end(), found.errors.begin(), found.errors.end());
-  }
-  std::printf(
-      "acknowledged %zu\nrefused %zu\nunanswered %zu\nlost %zu\ntwice %zu\nunknown %zu\n"
-      "wrong_hash %zu\nbehind_after_2s %zu\nbroken_sessions %zu\n",
-      sum.acknowledged, sum.refused, sum.unanswered, sum.lost, sum.twice, sum.unknown,
-      sum.wrong_hash, behind, broken);
-  for (size_t i = 0; i < std::min<size_t>(5, sum.errors.size()); ++i) {
-    std::printf("error: %s\n", sum.errors[i].c_str());
-  }
-  return infos.ok() && sum.is_clean() && sum.refused + sum.unanswered + behind + broken == 0;
-}
-
 int Run(const Plan& plan) {
   PrintPercentiles("echo", EchoLoad(plan.clients, plan.rate, std::min(20.0, plan.seconds)));
-  auto engine = RemoteEngine::Connect({.address = plan.server});
-  if (!engine.ok()) return Fail(std::string(engine.status().message()));
-  const auto before = Prepare(plan, **engine);
+  const auto before = Prepare(plan);
   if (!before.ok()) return Fail(std::string(before.status().message()));
-  Clients clients;
+  LoadClients clients;
   for (int i = 0; i < plan.clients; ++i) {
     clients.push_back(std::make_unique<LoadClient>(plan.server, SceneOf(plan, i), BoxOf(i)));
     if (auto status = clients.back()->Open(); !status.ok()) return Fail(status.ToString());
@@ -155,12 +113,25 @@ int Run(const Plan& plan) {
   Drive(plan, clients);
   const auto deadline = Clock::now() + std::chrono::seconds(2);
   for (const auto& client : clients) client->AwaitAnswers(deadline);
-  const bool is_right = Check(*before, **engine, clients, deadline);
+  auto engine = RemoteEngine::Connect({.address = plan.server});
+  if (!engine.ok()) return Fail(std::string(engine.status().message()));
+  const bool is_right = HasKeptAll(*before, **engine, clients, deadline);
   const Report report = TimesOf(clients);
   PrintPercentiles("answer", report.answer_ms);
   PrintPercentiles("sent_late", report.late_ms);
   if (Percentile(report.late_ms, 0.99) > 10.0) return Fail("the load was not reached");
   return is_right ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+int Overload(const Plan& plan, OverloadPlan overload) {
+  overload.server = plan.server;
+  overload.clients = plan.clients;
+  overload.scenes = plan.scenes;
+  overload.seconds = plan.seconds;
+  auto engine = RemoteEngine::Connect({.address = plan.server});
+  if (!engine.ok()) return Fail(std::string(engine.status().message()));
+  const absl::Status status = RunOverload(overload, **engine);
+  return status.ok() ? EXIT_SUCCESS : Fail(std::string(status.message()));
 }
 
 }  // namespace
@@ -177,6 +148,17 @@ int main(int argc, char** argv) {
   app.add_option("--rate", plan.rate, "Commits a second, of all together")
       ->check(CLI::Range(1.0, 100'000.0));
   app.add_option("--seconds", plan.seconds, "For how long")->check(CLI::Range(1.0, 3'600.0));
+  bool is_overload = false;
+  penumbra::load::OverloadPlan overload;
+  app.add_flag("--overload", is_overload,
+               "Instead: find what the server can carry, and send it more than that; --rate and "
+               "--viewers have no part in it");
+  app.add_option("--times", overload.times, "How much more")->check(CLI::Range(1.0, 100.0));
+  app.add_flag("--deaf", overload.is_deaf, "Send although the server has said to wait");
+  app.add_option("--server-pid", overload.server_pid, "Whose memory to look at");
+  app.add_option("--max-memory-mb", overload.max_memory_mb, "That it may have, MiB");
   CLI11_PARSE(app, argc, argv);
-  return penumbra::load::Run(plan);
+  // As in penumbrad: the load's own work is not what is measured.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
+  return is_overload ? penumbra::load::Overload(plan, overload) : penumbra::load::Run(plan);
 }

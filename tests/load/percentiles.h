@@ -1,19 +1,14 @@
 // Times, as a load prints them.
 #pragma once
 
-#include <algorithm>
 #include <cstdio>
 #include <vector>
 
+#include "tests/bench/bench.h"
+
 namespace penumbra::load {
 
-inline double Percentile(std::vector<double> values, double fraction) {
-  if (values.empty()) return 0;
-  const auto rank = static_cast<size_t>(fraction * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank),
-                   values.end());
-  return values[rank];
-}
+using bench::Percentile;
 
 // "answer.p50_ms 0.31", and so on.
 inline void PrintPercentiles(const char* name, const std::vector<double>& ms) {

@@ -16,8 +16,8 @@
 
 #include "proto/convert/scene_convert.h"
 #include "proto/convert/status_convert.h"
-#include "tests/integration/service/daemon.h"
 #include "tests/integration/service/studio.h"
+#include "tests/support/daemon.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra::testing {

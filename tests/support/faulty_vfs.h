@@ -9,14 +9,18 @@
 #include <atomic>
 #include <cstdint>
 
+#include "tests/support/disk_image.h"
+
 namespace penumbra::testing {
 
 // One at a time.
 class FaultyVfs {
  public:
-  enum class Call { kNone, kAny, kWrite, kSync };
+  enum class Call { kNone, kAny, kWrite, kSync, kDelete };
 
-  FaultyVfs();
+  // With a `disk`, which outlives it, that is told of all writes. What is synced then is the disk's
+  // business, and no file is synced in truth.
+  explicit FaultyVfs(DiskImage* disk = nullptr);
   ~FaultyVfs();
   FaultyVfs(const FaultyVfs&) = delete;
   FaultyVfs& operator=(const FaultyVfs&) = delete;
@@ -27,13 +31,19 @@ class FaultyVfs {
   // until Heal: a disk that is full stays full. A sync that fails `drops` what was to be synced.
   void FailAfter(int64_t calls, Call kind, int code);
   void Heal();
-  // Calls of the kind since FailAfter.
+  // Calls of the kind since FailAfter that failed.
   int64_t failures() const;
+
+  // From here on writes and syncs do not return, until Heal: a disk that has gone to sleep.
+  void Stall();
 
   // Asked by the files. SQLITE_OK, or what to fail with.
   int Permit(Call kind);
+  DiskImage* disk() const { return disk_; }
 
  private:
+  DiskImage* const disk_;
+  std::atomic<bool> is_stalled_{false};
   std::atomic<Call> kind_{Call::kNone};
   std::atomic<int> code_{SQLITE_OK};
   std::atomic<int64_t> left_{0};

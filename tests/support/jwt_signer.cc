@@ -112,6 +112,12 @@ std::string JwtSigner::SignAs(const nlohmann::json& header, const nlohmann::json
          absl::WebSafeBase64Escape(Signature(header.value("alg", algorithm_), message));
 }
 
+std::string JwtSigner::SignText(const std::string& header, const std::string& claims) const {
+  const std::string message =
+      absl::WebSafeBase64Escape(header) + "." + absl::WebSafeBase64Escape(claims);
+  return message + "." + absl::WebSafeBase64Escape(Signature(algorithm_, message));
+}
+
 std::string KeySetOf(const std::vector<JwtSigner>& signers) {
   nlohmann::json keys = nlohmann::json::array();
   for (const JwtSigner& signer : signers) keys.push_back(signer.Jwk());

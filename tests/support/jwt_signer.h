@@ -28,6 +28,8 @@ class JwtSigner {
   // With a header of the caller's; "alg" there says how it is signed: RS256, ES256, HS256 with the
   // public key as the secret, or none.
   std::string SignAs(const nlohmann::json& header, const nlohmann::json& claims) const;
+  // By the key's own algorithm, whatever the texts are.
+  std::string SignText(const std::string& header, const std::string& claims) const;
 
  private:
   JwtSigner(std::string key_id, std::string algorithm, evp_pkey_st* key);

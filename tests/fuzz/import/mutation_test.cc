@@ -1,7 +1,7 @@
 // The importers against damaged files: never a crash, a hang or a huge allocation, and every
 // refusal names something. PENUMBRA_FUZZ_MUTATIONS sets how many damaged versions of each file are
 // tried; PENUMBRA_FUZZ_KEEP=1 leaves the last one on the disk.
-#include "tests/fuzz/import/mutation.h"
+#include "tests/fuzz/kit/mutation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -278,5 +278,21 @@ TEST_F(FormFactorGlslTest, ColourChannelsStayApart) {
   EXPECT_NEAR(results[0].z, 4, 4e-5);
 }
 
+// Such as a lamp's own plate, from its front and from behind.
+TEST_F(FormFactorGlslTest, NothingComesFromALightToWhatItLiesOn) {
+  Draw draw(7);
+  std::vector<Case> cases;
+  for (int i = 0; i < kCases; ++i) {
+    const Vec3 at = draw.Box(10), u = draw.Direction();
+    const Vec3 v = glm::normalize(glm::cross(u, draw.Direction())), n = glm::cross(u, v);
+    const bool both = i % 2 == 0;
+    AreaLight lamp{.shape = RectangleLight{at, 2.0f * u, 2.0f * v, Vec3(1.0f), both}};
+    if (i % 4 < 2) lamp.shape = DiskLight{at, n, 2, Vec3(1.0f), both};
+    const Vec3 point = at + draw.In(-1, 2) * u + draw.In(-1, 2) * v;
+    cases.push_back({.light = lamp, .point = point, .normal = i % 8 < 4 ? n : -n});
+  }
+  for (const Vec3& radiance : Run(cases)) ASSERT_EQ(radiance, Vec3(0.0f));
+}
+
 }  // namespace
 }  // namespace penumbra

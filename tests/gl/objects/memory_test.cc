@@ -35,7 +35,7 @@ TEST_F(MemoryTest, ASoftwareDeviceMayUseAGibibyte) {
   EXPECT_EQ(context_->info().max_memory_bytes, size_t{1} << 30);
 }
 
-TEST_F(MemoryTest, SidesOfA20) {
+TEST_F(MemoryTest, A20Sides) {
   const auto refusal = [&](int width, int height, Format format) {
     return Texture::Create(*context_, {.width = width, .height = height, .format = format})
         .status();

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <chrono>
 #include <filesystem>
@@ -20,6 +19,7 @@
 #include "server/penumbra_server.h"
 #include "server/security/bearer_token.h"
 #include "tests/integration/security/visitor.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/test_authority.h"
 
 namespace penumbra::testing {
@@ -34,18 +34,12 @@ struct GuardedServerOptions {
 class GuardedServer {
  public:
   explicit GuardedServer(const GuardedServerOptions& options = {}) : options_(options) {
-    std::string name = std::filesystem::temp_directory_path() / "penumbra-guarded-XXXXXX";
-    EXPECT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
     Replace("tokens", "# nobody yet\n");
     Replace("ca.pem", authority_.certificate());
     IssueServerCertificate();
     if (!options.jwt_keys.empty()) Replace("keys.json", options.jwt_keys);
   }
-  ~GuardedServer() {
-    server_.reset();
-    std::filesystem::remove_all(folder_);
-  }
+  ~GuardedServer() { server_.reset(); }
 
   // Puts a file into place in one go.
   void Replace(const std::string& name, const std::string& text) {
@@ -102,6 +96,7 @@ class GuardedServer {
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
   }
+  void Stop() { server_.reset(); }
   const std::string& address() const { return server_->address(); }
 
   // Who shows `token`, and a certificate where there is one; both may be empty.
@@ -119,7 +114,7 @@ class GuardedServer {
  private:
   const GuardedServerOptions options_;
   const TestAuthority authority_{"Studio"};
-  std::filesystem::path folder_;
+  const TemporaryFolder folder_;
   std::string identities_;
   std::unique_ptr<PenumbraServer> server_;
 };

@@ -37,6 +37,8 @@ const std::map<std::string, std::string> kExpected = {
     {"FindMissingBlobs", "UUUU DDD ooo oo"},
     {"UploadBlob", "UUUU DDD ooo oo"},
     {"DownloadBlob", "UUUU ooN ooN oN"},
+    {"ExportScene", "UUUU DDD ooN oN"},
+    {"ImportScene", "UUUU DDD ooD oD"},
     {"Session.hello", "UUUU ooN ooN oN"},
     {"Session.commit", "UUUU DDN ooN oN"},
     {"Session.subscribe", "UUUU ooN ooN oN"},
@@ -130,6 +132,8 @@ class MatrixTest : public ::testing::TestWithParam<bool> {
       if (status.ok()) MakeScene("review-1", 1.0f);
       return status;
     }
+    if (name == "ExportScene") return visitor.Export("review-1");
+    if (name == "ImportScene") return visitor.Import("review-2");
     if (name == "FindMissingBlobs") {
       v1::FindMissingBlobsRequest request;
       request.add_hashes(ToProto(BoxOf(1.0f)->id()));

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "tests/integration/security/guarded_server.h"
-#include "tests/integration/service/daemon.h"
+#include "tests/support/daemon.h"
 
 namespace penumbra::testing {
 namespace {

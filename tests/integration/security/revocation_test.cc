@@ -15,6 +15,7 @@
 #include "tests/integration/security/guarded_server.h"
 #include "tests/support/jwt_signer.h"
 #include "tests/support/shapes.h"
+#include "tests/support/small_archive.h"
 
 namespace penumbra::testing {
 namespace {
@@ -137,6 +138,26 @@ TEST(RevocationTest, E03AKeyThatLeavesTheSetTakesItsTokensAlong) {
   server.Replace("keys.json", KeySetOf({young}));
   EXPECT_EQ(session->End().code(), absl::StatusCode::kUnauthenticated);
   EXPECT_EQ(server.Visit(young.Sign(claims)).Create("second"), absl::OkStatus());
+}
+
+TEST(RevocationTest, E03AnImportIsNotMadeOnceItsTokenHasExpired) {
+  GuardedServer server;
+  const std::string token = server.Admit("ana", "editor", "*", InSeconds(5));
+  const std::string admin = server.Admit("root", "admin", "*");
+  server.Start();
+  Visitor ana = server.Visit(token), root = server.Visit(admin);
+  ASSERT_EQ(ana.Upload(*BoxAndLamp(1).upsert_instances[0].mesh), absl::OkStatus());
+  v1::ImportSceneRequest request;
+  for (const auto& record : SmallImport()) *request.add_records() = record;
+  request.set_scene_id("in-time");
+  EXPECT_EQ(ana.Call("ImportScene", request), absl::OkStatus());
+  const auto late = ana.Open("ImportScene");
+  request.set_scene_id("late");
+  late->Send(request);
+  std::this_thread::sleep_for(std::chrono::seconds(7));
+  late->SendNoMore();
+  EXPECT_FALSE(late->End().ok());
+  EXPECT_EQ(root.List(), std::vector<std::string>{"in-time"});
 }
 
 TEST(RevocationTest, AFileThatHasBecomeWrongIsToldOfAndChangesNothing) {

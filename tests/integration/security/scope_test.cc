@@ -71,6 +71,13 @@ TEST_F(ScopeTest, E15ASceneOutOfScopeIsAsOneThatIsNotThere) {
   EXPECT_EQ(made.code(), absl::StatusCode::kPermissionDenied);
   EXPECT_EQ(ErrorReason(made), "SCOPE");
   EXPECT_EQ(made, Renamed(Ana().Create("absent"), "secret"));
+  const auto exported = Ana().Export("secret");
+  EXPECT_EQ(exported.code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(exported, Renamed(Admin().Export("absent"), "secret"));
+  EXPECT_EQ(exported, Renamed(Ana().Export("absent"), "secret"));
+  const auto imported = Ana().Import("secret");
+  EXPECT_EQ(ErrorReason(imported), "SCOPE");
+  EXPECT_EQ(imported, Renamed(Ana().Import("absent"), "secret"));
   // It is still there.
   EXPECT_THAT(Admin().List(), ElementsAre("review-1", "secret"));
 }

@@ -1,4 +1,4 @@
-// E05: what a listener with TLS refuses; certificates that change.
+// C12 and E05: what a listener with TLS refuses; certificates that change.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ TEST_F(TlsTest, E05OnlyClientsWithACertificateOfOurAuthorityGetIn) {
       << "expired";
 }
 
-TEST_F(TlsTest, E05Tls12And13WithForwardSecrecyAlone) {
+TEST_F(TlsTest, C12Tls12And13WithForwardSecrecyAlone) {
   if (std::system("command -v sslscan >/dev/null") != 0) GTEST_SKIP() << "needs sslscan";
   Start();
   const std::string scan = OutputOf("sslscan --no-colour " + server_->address() + " 2>&1");

@@ -103,6 +103,18 @@ std::vector<std::string> Visitor::List() {
   return ids;
 }
 
+absl::Status Visitor::Export(const std::string& scene_id) {
+  v1::ExportSceneRequest request;
+  request.set_scene_id(scene_id);
+  return Call("ExportScene", request);
+}
+
+absl::Status Visitor::Import(const std::string& scene_id) {
+  v1::ImportSceneRequest request;
+  request.set_scene_id(scene_id);
+  return Call("ImportScene", request);
+}
+
 absl::Status Visitor::Upload(const Mesh& mesh) {
   const auto blob = EncodeBlob(mesh.geometry());
   v1::UploadBlobRequest request;

@@ -55,6 +55,9 @@ class Visitor {
   absl::Status Create(const std::string& scene_id);
   absl::Status Delete(const std::string& scene_id);
   std::vector<std::string> List();
+  absl::Status Export(const std::string& scene_id);
+  // Of no records: whoever may import hears that the rest is missing.
+  absl::Status Import(const std::string& scene_id);
   absl::Status Upload(const Mesh& mesh);
   absl::Status Download(const Mesh& mesh);
   // The error of a session's opening; OK: it is open.

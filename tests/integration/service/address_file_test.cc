@@ -1,5 +1,6 @@
 // The file that says where a server listens: it is there as long as that server does.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -8,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/integration/service/daemon.h"
 #include "tests/integration/service/wire_client.h"
+#include "tests/support/daemon.h"
 
 namespace penumbra::testing {
 namespace {
@@ -50,6 +51,14 @@ TEST_F(AddressFileTest, GoesWithTheServer) {
   daemon.Signal(SIGTERM);
   EXPECT_EQ(daemon.Wait(), 0);
   EXPECT_TRUE(is_empty(folder_));
+}
+
+TEST_F(AddressFileTest, IsWrittenWhereALinkLeads) {
+  std::filesystem::create_symlink("elsewhere", file_);  // which is yet to be made
+  Daemon daemon(Words());
+  EXPECT_EQ(Text(), daemon.Address());
+  EXPECT_TRUE(is_symlink(file_));
+  EXPECT_TRUE(exists(folder_ / "elsewhere"));
 }
 
 TEST_F(AddressFileTest, OfALiveServerStaysWhenAnotherCannotStart) {

@@ -1,9 +1,12 @@
 // What a server that keeps its scenes on disk makes of disks that fail, and of being killed.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
 #include <filesystem>
+#include <future>
+#include <memory>
 #include <optional>
 #include <random>
 #include <thread>
@@ -11,9 +14,10 @@
 #include "proto/convert/geometry_convert.h"
 #include "proto/convert/scene_convert.h"
 #include "render/scene/field_error.h"
-#include "tests/integration/service/daemon.h"
-#include "tests/integration/service/durable_scenes.h"
+#include "tests/integration/service/import_call.h"
+#include "tests/support/daemon.h"
 #include "tests/support/faulty_vfs.h"
+#include "tests/support/stalled_file.h"
 
 namespace penumbra::testing {
 namespace {
@@ -67,6 +71,70 @@ TEST_F(DurableScenesTest, D06AfterAFailedSyncAFileIsBegunAnew) {
   EXPECT_EQ(session_->Commit(MoveBox({1, 1, 0}), "before").revision(), 2u) << "answers go along";
   EXPECT_EQ(session_->Commit(MoveBox({3, 1, 0}), "after").content_hash(), healed.content_hash());
   EXPECT_GT(healed.revision(), acknowledged.revision);
+}
+
+TEST_F(DurableScenesTest, D06ADeletionThatFailedIsDoneAgain) {
+  Restart();
+  MakeStudio();
+  // A file of the scene that cannot be removed, for it is a folder.
+  fs::create_directories(folder_ / "data/scenes/studio~2.db/inside");
+  EXPECT_EQ(client_->DeleteScene("studio").code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(session_->End().code(), absl::StatusCode::kNotFound);
+  v1::ListScenesResponse list;
+  grpc::ClientContext context;
+  ASSERT_TRUE(client_->stub().ListScenes(&context, {}, &list).ok());
+  ASSERT_EQ(list.scenes_size(), 1);
+  EXPECT_THAT(list.scenes(0).damage(), ::testing::HasSubstr("need it to be deleted again"));
+  EXPECT_EQ(client_->CreateScene("studio").code(), absl::StatusCode::kAlreadyExists);
+  EXPECT_EQ(EndOfSession("studio").code(), absl::StatusCode::kDataLoss);
+
+  EXPECT_EQ(client_->DeleteScene("studio"), absl::OkStatus());
+  EXPECT_EQ(client_->DeleteScene("studio").code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(client_->CreateScene("studio"), absl::OkStatus());
+  Restart();
+  EXPECT_EQ(client_->FindScene("studio")->revision, 0u);
+}
+
+TEST_F(DurableScenesTest, D06WhileOneWaitsForTheTableOfOwnersOthersGoOn) {
+  Restart();
+  MakeStudio();
+  ImportCall import(*client_);
+  ASSERT_TRUE(import.Send("imported", {}));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // until it has the id
+  ASSERT_EQ(client_->CreateScene("imported").code(), absl::StatusCode::kAlreadyExists);
+  StalledFile stalled(folder_ / "data/owners.new");
+  auto creating = std::async(std::launch::async, [&] { return client_->CreateScene("waits"); });
+  while (!client_->FindScene("waits").ok()) {
+  }
+  auto importing = std::async(std::launch::async, [&] { return import.End(); });
+  EXPECT_EQ(importing.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  auto commit = std::async(std::launch::async, [&] {
+    return session_->Commit(MoveBox({1, 1, 0}));
+  });
+  EXPECT_EQ(commit.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  EXPECT_EQ(creating.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+  stalled.WakeUp();
+  EXPECT_EQ(ErrorReason(importing.get()), "LENGTH") << "and what it had taken is given back";
+  EXPECT_EQ(commit.get().revision(), 2u);
+  EXPECT_EQ(creating.get().code(), absl::StatusCode::kUnavailable);
+}
+
+// Its client sent no deadline that counts.
+TEST_F(DurableScenesTest, C17ACallThatTheDiskKeepsWaitingIsEndedByTheServer) {
+  FaultyVfs disk;
+  options_.storage.database.vfs = disk.name();
+  options_.limits.transfer_idle_timeout = std::chrono::seconds(1);
+  Restart();
+  MakeStudio();
+  disk.Stall();
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(client_->CreateScene("waits").code(), absl::StatusCode::kCancelled);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+  EXPECT_EQ(client_->FindScene("studio")->revision, 1u) << "others are answered meanwhile";
+  disk.Heal();
+  EXPECT_EQ(session_->Commit(MoveBox({1, 1, 0})).revision(), 2u);
+  EXPECT_EQ(client_->CreateScene("another"), absl::OkStatus());
+  EXPECT_TRUE(client_->FindScene("waits").ok()) << "it was made after all";
 }
 
 TEST_F(DurableScenesTest, CompactedScenesAreBackToo) {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "proto/convert/status_convert.h"
+#include "tests/integration/service/kept_log.h"
 #include "tests/integration/service/studio.h"
-#include "tests/support/event_log.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra::testing {
@@ -47,7 +47,7 @@ class DurableScenesTest : public ::testing::Test {
   }
   TemporaryFolder folder_;
   ServerOptions options_;
-  EventLog logger_;
+  KeptLog logger_;
   std::unique_ptr<PenumbraServer> server_;
   std::unique_ptr<WireClient> client_;
   std::unique_ptr<WireSession> session_;

@@ -17,7 +17,6 @@ namespace penumbra::testing {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 
 TEST_F(DurableScenesTest, AreBackAsTheyWere) {
   Restart();
@@ -84,7 +83,7 @@ TEST_F(DurableScenesTest, DeletionsAndCreationsAtOnceLoseNothing) {
   MakeStudio();
   const SceneInfo before = client_->FindScene("studio").value();
   Restart();
-  EXPECT_EQ(client_->FindScene("studio")->content_hash, before.content_hash) << logger_.text();
+  EXPECT_EQ(client_->FindScene("studio")->content_hash, before.content_hash);
   EXPECT_EQ(client_->ListScenes()->size(), 1u);
 }
 
@@ -127,7 +126,7 @@ TEST_F(DurableScenesTest, D04ADamagedSceneIsRefusedAndTheOthersAreServed) {
   damaged[lamp] = 'd';
   std::ofstream(file, std::ios::binary) << damaged;
   Restart();
-  EXPECT_THAT(logger_.text(), HasSubstr("scene_refused scene=bad"));
+  EXPECT_EQ(logger_.Await("scene_refused", 1)[0]["scene"], "bad");
   EXPECT_EQ(client_->FindScene("good")->revision, 1u);
   EXPECT_EQ(EndOfSession("bad").code(), absl::StatusCode::kDataLoss);
   EXPECT_EQ(client_->CreateScene("bad").code(), absl::StatusCode::kAlreadyExists);
@@ -157,8 +156,9 @@ TEST_F(DurableScenesTest, D03WhatHeadsKnowOfIsMissed) {
   fs::copy_file(kept, SceneFileOf("studio"), fs::copy_options::overwrite_existing);
   fs::remove(SceneFileOf("gone"));
   Restart();
-  EXPECT_THAT(logger_.text(), HasSubstr("scene_refused scene=studio"));
-  EXPECT_THAT(logger_.text(), HasSubstr("scene_refused scene=gone"));
+  const auto refused = logger_.Await("scene_refused", 2);
+  EXPECT_EQ(refused[0]["scene"], "studio");
+  EXPECT_EQ(refused[1]["scene"], "gone");
   EXPECT_EQ(EndOfSession("studio").code(), absl::StatusCode::kDataLoss);
 }
 

@@ -16,8 +16,9 @@
 #include "grpcpp/create_channel.h"
 #include "render/scene/field_error.h"
 #include "server/listen_address.h"
-#include "tests/integration/service/daemon.h"
 #include "tests/integration/service/studio.h"
+#include "tests/load/process_usage.h"
+#include "tests/support/daemon.h"
 
 namespace penumbra::testing {
 namespace {
@@ -29,7 +30,7 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-TEST(PenumbradTest, SigtermEndsItAfterTellingItsSessions) {
+TEST(PenumbradTest, C25SigtermEndsItAfterTellingItsSessions) {
   Daemon daemon({"--listen", "127.0.0.1:0", "--drain-seconds", "30"});
   WireClient client(daemon.Address());
   ASSERT_EQ(client.CreateScene("studio"), absl::OkStatus());
@@ -43,7 +44,7 @@ TEST(PenumbradTest, SigtermEndsItAfterTellingItsSessions) {
   EXPECT_LT(SecondsSince(start), 10.0) << "an open session does not hold it up";
 }
 
-TEST(PenumbradTest, DrainingTakesNoLongerThanStated) {
+TEST(PenumbradTest, C25DrainingTakesNoLongerThanStated) {
   Daemon daemon({"--listen", "127.0.0.1:0", "--drain-seconds", "1"});
   WireClient client(daemon.Address());
   ASSERT_EQ(client.CreateScene("studio"), absl::OkStatus());
@@ -62,7 +63,7 @@ TEST(PenumbradTest, DrainingTakesNoLongerThanStated) {
   EXPECT_FALSE(endless->Finish().ok());
 }
 
-TEST(PenumbradTest, ASecondSigtermEndsItNow) {
+TEST(PenumbradTest, C25ASecondSigtermEndsItNow) {
   Daemon daemon({"--listen", "127.0.0.1:0", "--drain-seconds", "60"});
   WireClient client(daemon.Address());
   grpc::ClientContext context;
@@ -112,6 +113,33 @@ TEST(PenumbradTest, AServerThatIsKilledEndsItsClientsCalls) {
   daemon.Signal(SIGKILL);
   EXPECT_EQ(session->End().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(client.CreateScene("other").code(), absl::StatusCode::kUnavailable);
+}
+
+// What a server holds once `count` more sessions have come and gone.
+uint64_t ResidentBytesAfter(int count, const Daemon& daemon, WireClient& client) {
+  for (int i = 0; i < count; ++i) {
+    const auto session = client.OpenSession("studio", /*mirror_scene=*/true);
+    session->ReadUntil(v1::SessionResponse::kSceneUpdate);
+  }
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (client.ServerInfo().statistics().open_sessions() > 0 &&
+         std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  return load::UsageOf(daemon.pid()).resident_bytes;
+}
+
+TEST(PenumbradTest, SessionsThatHaveEndedLeaveNoMemoryBehind) {
+  Daemon daemon({"--listen", "127.0.0.1:0"});
+  WireClient client(daemon.Address());
+  ASSERT_EQ(client.CreateScene("studio"), absl::OkStatus());
+  [[maybe_unused]] const uint64_t before = ResidentBytesAfter(200, daemon, client);
+  [[maybe_unused]] const uint64_t after = ResidentBytesAfter(1'000, daemon, client);
+  EXPECT_EQ(client.ServerInfo().statistics().open_sessions(), 0u);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which have their own
+  EXPECT_GT(before, 0u);
+  EXPECT_LT(after, before + (24u << 20)) << "it grew by " << (after - before) / 1024 << " KiB";
+#endif
 }
 
 TEST(PenumbraServerTest, ListensOnASocketFileAndNotOnOneInUse) {
@@ -172,7 +200,7 @@ grpc::StatusCode CallByName(WireClient& client, const char* method) {
   return stream->Finish().error_code();
 }
 
-TEST(PenumbraServerTest, HealthIsServedAndReflectionOnlyOnRequest) {
+TEST(PenumbraServerTest, E09HealthIsServedAndReflectionOnlyOnRequest) {
   constexpr char kReflection[] = "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo";
   const auto server = StartServer();
   WireClient client(server->address());
@@ -185,7 +213,7 @@ TEST(PenumbraServerTest, HealthIsServedAndReflectionOnlyOnRequest) {
   EXPECT_EQ(CallByName(other, kReflection), grpc::StatusCode::OK);
 }
 
-TEST(PenumbraServerTest, RefusesCompressedMessages) {
+TEST(PenumbraServerTest, A22RefusesCompressedMessages) {
   const auto server = StartServer();
   WireClient client(server->address());
   grpc::ClientContext context;
@@ -197,7 +225,7 @@ TEST(PenumbraServerTest, RefusesCompressedMessages) {
             grpc::StatusCode::UNIMPLEMENTED);
 }
 
-TEST(PenumbraServerTest, AnUploadThatFallsSilentIsDropped) {
+TEST(PenumbraServerTest, B11AnUploadThatFallsSilentIsDropped) {
   ServerOptions options;
   options.limits.transfer_idle_timeout = seconds(1);
   const auto server = StartServer(options);

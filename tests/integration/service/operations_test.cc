@@ -113,7 +113,7 @@ TEST_F(OperationsTest, AHelloThatIsRefusedIsNoSessionInTheLog) {
   EXPECT_EQ(log_.All("session_opened").size(), 1u) << "the fixture's";
 }
 
-TEST_F(OperationsTest, MetricsCountWhatHappenedAndNameNobody) {
+TEST_F(OperationsTest, E16MetricsCountWhatHappenedAndNameNobody) {
   auto viewer = OpenAs("viewer-name");
   ASSERT_EQ(viewer->Subscribe(1, FloorSpec(), 8), absl::OkStatus());
   viewer->AwaitUpdate(1, IsFinal);
@@ -134,7 +134,7 @@ TEST_F(OperationsTest, MetricsCountWhatHappenedAndNameNobody) {
   EXPECT_EQ(SampleIn(text, "penumbra_degraded"), 1);
   EXPECT_GT(SampleIn(text, "penumbra_blob_bytes"), 0);
   for (const char* name : {"studio", "viewer-name", "lamp", "floor"}) {
-    EXPECT_THAT(text, Not(HasSubstr(name))) << "HARDENING E16";
+    EXPECT_THAT(text, Not(HasSubstr(name))) << "is for those who may see scenes";
   }
 }
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/integration/service/daemon.h"
 #include "tests/integration/service/wire_client.h"
+#include "tests/support/daemon.h"
 #include "tests/support/http_get.h"
 
 namespace penumbra::testing {

@@ -5,8 +5,6 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
-#include "grpcpp/channel.h"
-#include "grpcpp/support/byte_buffer.h"
 #include "proto/convert/geometry_convert.h"
 #include "proto/convert/status_convert.h"
 #include "render/scene/blob.h"
@@ -63,7 +61,7 @@ std::vector<v1::UploadBlobRequest> BoxUpload() {
   return requests;
 }
 
-TEST_F(StudioTest, BadUploadsAreRefusedAndLeaveNothing) {
+TEST_F(StudioTest, A08BadUploadsAreRefusedAndLeaveNothing) {
   const auto before = client_->ServerInfo().statistics();
   auto wrong_hash = BoxUpload();
   wrong_hash[0].mutable_header()->set_hash(std::string(32, 'h'));
@@ -97,7 +95,7 @@ TEST_F(StudioTest, BadUploadsAreRefusedAndLeaveNothing) {
   EXPECT_EQ(after.blob_bytes(), before.blob_bytes()) << "reservations are given back";
 }
 
-TEST(PenumbraServerTest, OneUploadBringsAsManyBlobsAsARequestNames) {
+TEST(PenumbraServerTest, A11OneUploadBringsAsManyBlobsAsARequestNames) {
   ServerOptions options;
   options.limits.max_hashes_per_request = 2;
   const auto server = StartServer(options);
@@ -131,7 +129,7 @@ TEST_F(StudioTest, BlobsGoUpOnceAndComeDownTheSame) {
               IsRefused(absl::StatusCode::kNotFound, "UNKNOWN_ID", "hash"));
 }
 
-TEST_F(StudioTest, BadSpecsAreRefusedAndTheSessionGoesOn) {
+TEST_F(StudioTest, A13BadSpecsAreRefusedAndTheSessionGoesOn) {
   for (const uint32_t samples : {0u, 1025u, 0x80000000u}) {
     const auto status = session_->Subscribe(1, FloorSpec(samples), 1);
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << samples << ": " << status;
@@ -154,7 +152,7 @@ absl::Status ErrorOf(WireSession& session, const v1::SessionRequest& request) {
   return FromProto(session.ReadUntil(v1::SessionResponse::kSessionError)->session_error().error());
 }
 
-TEST_F(StudioTest, RequestsOutOfPlaceAreErrorsOfTheSession) {
+TEST_F(StudioTest, B15RequestsOutOfPlaceAreErrorsOfTheSession) {
   EXPECT_THAT(ErrorOf(*session_, {}),
               IsRefused(absl::StatusCode::kInvalidArgument, "MISSING_FIELD", "request"));
   v1::SessionRequest request;
@@ -192,81 +190,6 @@ TEST_F(StudioTest, HellosThatCannotBeMetEndTheCall) {
               IsRefused(absl::StatusCode::kInvalidArgument, "BAD_ID", "hello.scene_id"));
   EXPECT_THAT(RefusedHello(*client_, "studio", 2), IsRefused(absl::StatusCode::kFailedPrecondition,
                                                              "VERSION", "hello.protocol_versions"));
-}
-
-// A session whose client sends bytes of its own making.
-class RawSession {
- public:
-  explicit RawSession(WireClient& client)
-      : stream_(
-            grpc::internal::ClientReaderWriterFactory<grpc::ByteBuffer, grpc::ByteBuffer>::Create(
-                client.channel().get(),
-                grpc::internal::RpcMethod("/penumbra.v1.PenumbraService/Session",
-                                          grpc::internal::RpcMethod::BIDI_STREAMING),
-                &context_)) {}
-  ~RawSession() {
-    context_.TryCancel();
-    stream_->Finish();
-  }
-
-  v1::SessionResponse Ask(const std::string& bytes) {
-    const grpc::Slice slice(bytes);
-    stream_->Write(grpc::ByteBuffer(&slice, 1));
-    grpc::ByteBuffer buffer;
-    v1::SessionResponse response;
-    grpc::Slice back;
-    if (!stream_->Read(&buffer) || !buffer.DumpToSingleSlice(&back).ok() ||
-        !response.ParseFromArray(back.begin(), static_cast<int>(back.size()))) {
-      ADD_FAILURE() << "the session ended";
-    }
-    return response;
-  }
-  absl::Status Error(const std::string& bytes) {
-    return FromProto(Ask(bytes).session_error().error());
-  }
-
- private:
-  grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer>> stream_;
-};
-
-std::string Field(int number, const std::string& content) {
-  std::string bytes(1, static_cast<char>(number << 3 | 2));
-  for (size_t size = content.size();; size >>= 7) {
-    bytes += static_cast<char>(size < 0x80 ? size : (size & 0x7f) | 0x80);
-    if (size < 0x80) return bytes + content;
-  }
-}
-
-std::string HelloBytes() {
-  v1::SessionRequest request;
-  request.mutable_hello()->set_scene_id("studio");
-  request.mutable_hello()->add_protocol_versions(1);
-  return request.SerializeAsString();
-}
-
-TEST_F(StudioTest, BadBytesAreErrorsOfTheSession) {
-  RawSession session(*client_);
-  EXPECT_THAT(session.Error("\xff\xff\xff"),
-              IsRefused(absl::StatusCode::kInvalidArgument, "MALFORMED", "request"));
-  EXPECT_THAT(session.Error(Field(1, Field(2, "\xff\xfe"))),
-              IsRefused(absl::StatusCode::kInvalidArgument, "MALFORMED", "request"))
-      << "not UTF-8";
-  // Fields of a later protocol are ignored.
-  EXPECT_EQ(session.Ask(HelloBytes() + Field(15, "news")).welcome().protocol_version(), 1u);
-  // A megabyte of empty instances would take a hundred megabytes once parsed.
-  std::string instances;
-  for (int i = 0; i < 500'000; ++i) instances += Field(2, "");
-  EXPECT_THAT(session.Error(Field(2, Field(2, instances))),
-              IsRefused(absl::StatusCode::kResourceExhausted, "QUOTA_ELEMENTS", "request"));
-  EXPECT_THAT(session.Error(std::string(2 << 20, '\0')),
-              IsRefused(absl::StatusCode::kResourceExhausted, "QUOTA_MESSAGE_BYTES", "request"));
-  std::string nested = "x";
-  for (int i = 0; i < 200; ++i) nested = Field(2, nested);
-  EXPECT_TRUE(session.Ask(nested).commit_result().has_error());
-  v1::SessionRequest commit;
-  *commit.mutable_commit()->mutable_delta() = v1::SceneDelta();
-  EXPECT_EQ(session.Ask(commit.SerializeAsString()).commit_result().revision(), 2u);
 }
 
 }  // namespace

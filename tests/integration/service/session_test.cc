@@ -11,6 +11,7 @@
 #include "render/engine/compute_once.h"
 #include "render/engine/local_engine.h"
 #include "render/scene/field_error.h"
+#include "tests/integration/service/mirror.h"
 #include "tests/integration/service/studio.h"
 
 namespace penumbra::testing {
@@ -172,28 +173,6 @@ TEST_F(StudioTest, DeletingTheSceneEndsItsSessions) {
   EXPECT_EQ(session_->Hello("studio").scene().revision(), 0u);
 }
 
-// What a client that mirrors the scene holds, kept as the protocol says.
-class Mirror : public BlobSource {
- public:
-  std::shared_ptr<const Mesh> FindMesh(const ContentHash&) const override { return BoxMesh(); }
-  std::shared_ptr<const AlphaMask> FindMask(const ContentHash&) const override { return nullptr; }
-
-  void Apply(const v1::SceneUpdate& update) {
-    if (update.is_snapshot()) scene = Scene::Empty("studio");
-    EXPECT_EQ(update.from_revision(), update.is_snapshot() ? 0 : revision);
-    pieces.MergeFrom(update.delta());
-    if (update.is_continued()) return;
-    scene = scene->Apply(FromProto(pieces, *this).value()).value();
-    pieces.Clear();
-    revision = update.revision();
-    EXPECT_EQ(ToProto(scene->content_hash()), update.content_hash());
-  }
-
-  std::shared_ptr<const Scene> scene = Scene::Empty("studio");
-  v1::SceneDelta pieces;  // of a change that goes on
-  uint64_t revision = 0;
-};
-
 TEST_F(StudioTest, AMirrorFollowsTheCommitsOfOthers) {
   WireClient other_client(server_->address());
   auto other = other_client.OpenSession("studio", true);
@@ -217,6 +196,26 @@ TEST_F(StudioTest, AMirrorFollowsTheCommitsOfOthers) {
   const auto update = other->ReadUntil(v1::SessionResponse::kSceneUpdate)->scene_update();
   EXPECT_EQ(update.from_revision(), 3u);
   EXPECT_EQ(update.revision(), 4u);
+}
+
+// Each update goes on where the one before has ended, and none is left out, however many there are.
+TEST_F(StudioTest, AMirrorMissesNoneOfThousandsOfUpdates) {
+  constexpr Revision kLast = 2'500;
+  WireClient other_client(server_->address());
+  auto other = other_client.OpenSession("studio", true);
+  Mirror mirror;
+  int updates = 0;
+  for (Revision revision = 2; revision <= kLast && !HasFailure(); ++revision) {
+    const float x = 1e-4f * static_cast<float>(revision);
+    ASSERT_EQ(session_->Commit(MoveBox({x, 1, 0})).revision(), revision);
+    // One behind, so that what is left out shows in what comes next.
+    for (; mirror.revision + 1 < revision; ++updates) {
+      const auto update = other->ReadUntil(v1::SessionResponse::kSceneUpdate);
+      ASSERT_TRUE(update);
+      mirror.Apply(update->scene_update());
+    }
+  }
+  EXPECT_GT(updates, 1'000) << "hardly any have melted into others";
 }
 
 TEST_F(StudioTest, ALargeSceneIsMirroredInPieces) {

@@ -9,7 +9,9 @@
 #include <fstream>
 #include <string>
 
+#include "render/scene/field_error.h"
 #include "tests/integration/service/studio.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra::testing {
 namespace {
@@ -60,7 +62,12 @@ TEST_F(StudioTest, AClientThatStopsReadingSkipsAndThenGetsTheLast) {
 
 class StalledTest : public StudioTest {
  protected:
-  StalledTest() { options_.limits.max_stall_seconds = 2; }
+  StalledTest() {
+    options_.data_dir = folder_ / "data";  // with a history, from which to resume
+    options_.limits.max_stall_seconds = 2;
+  }
+
+  const TemporaryFolder folder_;
 };
 
 TEST_F(StalledTest, C13AClientThatTakesNothingIsLetGoAndToldWhy) {
@@ -68,7 +75,8 @@ TEST_F(StalledTest, C13AClientThatTakesNothingIsLetGoAndToldWhy) {
   std::get<SoftTextureParams>(spec.params).radiance = true;  // updates of 400 KB
   session_->Commit(StudioDelta(256));
   WireClient slow_client(server_->address());
-  auto slow = slow_client.OpenSession("studio");
+  auto slow = std::make_unique<WireSession>(slow_client.stub());
+  const v1::Welcome known = slow->Hello("studio");
   ASSERT_EQ(slow->Subscribe(1, spec, 1'000'000), absl::OkStatus());
   ASSERT_EQ(session_->Subscribe(1, spec, 1'000'000), absl::OkStatus());
   EXPECT_EQ(client_->ServerInfo().statistics().open_sessions(), 2u);
@@ -80,8 +88,22 @@ TEST_F(StalledTest, C13AClientThatTakesNothingIsLetGoAndToldWhy) {
   EXPECT_EQ(client_->ServerInfo().statistics().open_sessions(), 1u);
   const absl::Status end = slow->End();
   EXPECT_EQ(end.code(), absl::StatusCode::kResourceExhausted) << end;
+  EXPECT_EQ(ErrorReason(end), "SLOW_CONSUMER") << end;
   EXPECT_NE(end.message().find("resume"), absl::string_view::npos) << end;
   EXPECT_EQ(session_->Commit(MoveBox({1, 1, 1})).revision(), last + 1) << "others go on";
+
+  v1::SessionRequest resume;
+  resume.mutable_hello()->add_protocol_versions(1);
+  resume.mutable_hello()->set_scene_id("studio");
+  resume.mutable_hello()->set_mirror_scene(true);
+  resume.mutable_hello()->mutable_resume()->set_incarnation(known.incarnation());
+  resume.mutable_hello()->mutable_resume()->set_revision(known.scene().revision());
+  resume.mutable_hello()->mutable_resume()->set_content_hash(known.scene().content_hash());
+  WireSession resumed(slow_client.stub());
+  resumed.Send(resume);
+  const auto welcome = resumed.ReadUntil(v1::SessionResponse::kWelcome);
+  ASSERT_TRUE(welcome) << resumed.End();
+  EXPECT_TRUE(welcome->welcome().is_resumed());
 }
 
 TEST_F(StudioTest, C13WhoMissesUpdatesIsToldHowMany) {

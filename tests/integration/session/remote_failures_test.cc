@@ -62,6 +62,31 @@ TEST_F(RemoteEngineTest, ADeltaThatNoMessageHoldsIsRefusedBeforeItIsSent) {
   EXPECT_EQ(engine->Commit("studio", Studio()).value(), 1u);
 }
 
+// gRPC would end the session over it, and the next one too.
+TEST_F(RemoteEngineTest, ASubscriptionThatNoMessageHoldsIsRefusedBeforeItIsSent) {
+  const auto engine = Connect(/*reconnect_for_s=*/10);
+  ASSERT_EQ(engine->CreateScene("studio"), absl::OkStatus());
+  ASSERT_TRUE(engine->Commit("studio", Studio()).ok());
+  const PointReceiver points =
+      GivenPoints{std::make_shared<const std::vector<SurfacePoint>>(200'000, SurfacePoint{})};
+  const std::string field_of[] = {"spec: found", "subscribe_each: found"};
+  const absl::Status refused[] = {
+      engine
+          ->Subscribe("studio",
+                      {.params = CoherentRaytraceParams{}, .light_id = "lamp", .points = points},
+                      [](const ArtifactUpdate&) {})
+          .status(),
+      engine
+          ->SubscribeEach("studio", {.params = CoherentRaytraceParams{}, .points = points},
+                          [](const auto&, const auto&, const auto&) {})
+          .status()};
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(ErrorReason(refused[i]), "QUOTA_MESSAGE") << refused[i];
+    EXPECT_THAT(std::string(refused[i].message()), HasSubstr(field_of[i]));
+  }
+  EXPECT_TRUE(ComputeOnce(*engine, "studio", FloorSpec()).ok()) << "the session goes on";
+}
+
 TEST_F(RemoteEngineTest, UnknownAndDuplicateScenesAreTold) {
   const auto engine = Connect();
   EXPECT_EQ(engine->Commit("nowhere", Studio()).status().code(), absl::StatusCode::kNotFound);

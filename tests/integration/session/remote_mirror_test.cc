@@ -100,6 +100,9 @@ class StuckServer final : public v1::PenumbraService::Service {
         stream->Write(response);
       }
       if (request.has_subscribe()) Update(*stream, request.subscribe().subscription_id());
+      if (request.has_subscribe_each()) {
+        ManySubscriptions(*stream, request.subscribe_each().first_subscription_id());
+      }
     }
     return grpc::Status::OK;
   }
@@ -149,6 +152,19 @@ class StuckServer final : public v1::PenumbraService::Service {
     stream.Write(response);
   }
 
+  static void ManySubscriptions(Stream& stream, uint64_t first_id) {
+    v1::SessionResponse response;
+    v1::SubscribeEachResult& result = *response.mutable_subscribe_each_result();
+    result.set_first_subscription_id(first_id);
+    // Not from a literal, of which g++ 12 takes the length for endless when it has inlined enough.
+    const std::string light(1, 'l'), receiver(1, 'r');
+    for (int i = 0; i < 100'000; ++i) {
+      *result.add_light_ids() = light;
+      *result.add_receiver_ids() = receiver;
+    }
+    stream.Write(response);
+  }
+
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
   std::atomic<bool> is_downloading_{false};
@@ -178,6 +194,15 @@ TEST(StuckMirrorTest, KeepsNeitherCallbacksNorCommitsNorTheEndWaiting) {
   EXPECT_EQ(waiting.get().code(), absl::StatusCode::kNotFound);
   engine.reset();
   EXPECT_LT(std::chrono::steady_clock::now() - start, seconds(10));
+}
+
+// A message of 600 KB that stands for 10 billion subscriptions.
+TEST(StuckMirrorTest, MoreSubscriptionsThanThereCanBeEndTheSession) {
+  StuckServer server;
+  const auto engine = RemoteEngine::Connect({.address = server.address()}).value();
+  const auto all = engine->SubscribeEach("studio", {.params = SoftTextureParams{}},
+                                         [](const auto&, const auto&, const auto&) {});
+  EXPECT_EQ(all.status().code(), absl::StatusCode::kDataLoss) << all.status();
 }
 
 }  // namespace

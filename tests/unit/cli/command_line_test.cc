@@ -13,6 +13,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 using Words = std::vector<std::string>;
 
@@ -195,11 +196,37 @@ TEST(CommandLineTest, WhatMakesNoSenseIsOneLineThatNamesIt) {
   EXPECT_THAT(ErrorOf({"view", "a.obj", "--out", "v.png", "--camera", "0 0 1 0 0 0 180"}),
               HasSubstr("field of view"));
   EXPECT_THAT(ErrorOf({"push", "a.obj", "--scene", "s"}), HasSubstr("--server"));
-  for (const char* address : {"", "localhost", "127.0.0.1", "127.0.0.1:", "[::1]"}) {
+  for (const char* address :
+       {"", "localhost", "127.0.0.1", "127.0.0.1:", "[::1]", "127.0.0.1:0", "127.0.0.1:65536",
+        "127.0.0.1:99999", "127.0.0.1:abc", "127.0.0.1:-1", "127.0.0.1:80x", ":7447", "unix:"}) {
     EXPECT_THAT(ErrorOf({"info", "--server", address}), HasSubstr("need HOST:PORT")) << address;
+  }
+  for (const char* address : {"127.0.0.1:65535", "[::1]:1", "dns:///lab.example:7447",
+                              "ipv4:127.0.0.1:7447", "unix:/run/penumbra", "unix-abstract:p"}) {
+    EXPECT_EQ(Parsed<InfoCommand>({"info", "--server", address}).engine.server, address);
   }
   EXPECT_THAT(ErrorOf({"bake", "a.obj", "--out", "d", "--threads", "1025"}),
               HasSubstr("--threads"));
+}
+
+TEST(CommandLineTest, AnErrorNamesTheOptionThatWasGiven) {
+  const Words import = {"scenes", "import", "a.penumbra", "--server", "h:1", "--as", "söme"};
+  EXPECT_THAT(ErrorOf(import), AllOf(HasSubstr("--as: "), Not(HasSubstr("--scene"))));
+  EXPECT_THAT(ErrorOf({"scenes", "foo"}),
+              AllOf(HasSubstr("scenes: found \"foo\""), HasSubstr("export, import")));
+  EXPECT_THAT(ErrorOf({"edit-control", "one-editor", "maybe"}),
+              AllOf(HasSubstr("found \"maybe\""), HasSubstr("on, off")));
+  for (const char* text : {"-1", "1.5", "x", "18446744073709551616"}) {
+    EXPECT_THAT(ErrorOf({"replay", "a.penumbra", "--until", text}), HasSubstr("--until: found"));
+  }
+  EXPECT_THAT(ErrorOf({"receivers", "a.obj", "--count", "-1"}), HasSubstr("--count: found"));
+  for (const char* text : {"nan", "-1", "1e10", "inf", "x"}) {
+    EXPECT_THAT(ErrorOf({"replay", "a.penumbra", "--speed", text}), HasSubstr("--speed: found"));
+    EXPECT_THAT(ErrorOf({"top", "--server", "h:1", "--interval", text}),
+                HasSubstr("--interval: found"));
+  }
+  EXPECT_EQ(Parsed<ReplayCommand>({"replay", "a.penumbra", "--speed", "1.5"}).speed, 1.5);
+  EXPECT_EQ(Parsed<ReplayCommand>({"replay", "a.penumbra", "--until", "7"}).until, 7u);
 }
 
 TEST(TieNumbersToOptionsTest, TiesOnlyNumbersThatFollow) {

@@ -83,7 +83,8 @@ TEST(PointPlan, SaysWhatIsWrong) {
     return ErrorFieldPath(status) + " " + ErrorReason(status);
   };
   const CoherentRaytraceParams coherent;
-  EXPECT_EQ(fault([](auto& r) { r.points.lightmaps = {"tent"}; }, coherent).substr(0, 1), " ");
+  EXPECT_EQ(fault([](auto& r) { r.points.lightmaps = {"tent"}; }, coherent),
+            "--lightmap UNKNOWN_ID");
   EXPECT_EQ(fault([](auto& r) { r.points.crop = {600, 0, 10, 10}; }, coherent), "--picture RANGE");
   const std::string path = testing::TempDir() + "/penumbra_bad_points.txt";
   std::ofstream(path) << "0 1 0  0 1 0\n0 1 0\n";

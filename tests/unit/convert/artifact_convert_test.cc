@@ -141,6 +141,16 @@ TEST(ArtifactAssemblerTest, PutsPiecesTogether) {
   EXPECT_EQ(assembler.sequence(), 3u);
 }
 
+// Found by fuzz_layer_updates: whoever was told had neither an error nor an artifact.
+TEST(ArtifactAssemblerTest, AnErrorOfNoCodeIsNone) {
+  v1::ArtifactUpdate update;
+  update.set_revision(1);
+  update.mutable_error();
+  update.set_end_of_update(true);
+  ArtifactAssembler assembler;
+  EXPECT_EQ(ErrorReason(assembler.Add(update).status()), "INCOMPLETE");
+}
+
 TEST(ArtifactAssemblerTest, KeepsWhatIsLeftOut) {
   Artifact artifact = SomeArtifact();
   ArtifactAssembler assembler;

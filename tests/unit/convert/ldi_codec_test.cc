@@ -90,6 +90,18 @@ TEST(LdiCodecTest, AnotherViewStartsFromNothing) {
   EXPECT_EQ(ErrorReason(update.status()), "INCOMPLETE");
 }
 
+// Counts of tiles that were left out would be above what they are out of.
+TEST(LdiCodecTest, TilesOfMoreSamplesAreNotTakenOver) {
+  const Artifact many = ArtifactOf(RandomLdi(200));
+  v1::ArtifactUpdate fewer = UpdateOf(many, 1);
+  fewer.mutable_header()->mutable_attenuation_ldi()->set_sample_count(3);
+  fewer.clear_ldi_tiles();
+  ArtifactAssembler assembler;
+  ASSERT_TRUE(assembler.Add(UpdateOf(many, 0)).ok());
+  const auto status = assembler.Add(fewer).status();
+  EXPECT_EQ(ErrorReason(status), "INCOMPLETE") << status;
+}
+
 TEST(LdiCodecTest, EmptyMapsGoThereAndBack) {
   AttenuationLdi ldi = RandomLdi(4);
   ldi.faces.clear();

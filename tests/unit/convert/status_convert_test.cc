@@ -6,6 +6,7 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "render/scene/field_error.h"
+#include "render/scene/retry_delay.h"
 
 namespace penumbra {
 namespace {
@@ -54,6 +55,51 @@ TEST(StatusConvertTest, DetailsAreThoseOfGoogleRpc) {
   ASSERT_TRUE(proto.details(1).UnpackTo(&request));
   EXPECT_EQ(request.field_violations(0).field(), "a[1].b");
   EXPECT_EQ(request.field_violations(0).description(), "found NaN");
+}
+
+TEST(StatusConvertTest, WhereThereAreNoDetailsTheReasonIsInTheMessage) {
+  const auto kCode = grpc::StatusCode::RESOURCE_EXHAUSTED;
+  const absl::Status slow =
+      FieldError(absl::StatusCode::kResourceExhausted, "SLOW_CONSUMER", "", "found nothing taken");
+  const std::string message = MessageWithReason(slow);
+  EXPECT_EQ(message, "[SLOW_CONSUMER] found nothing taken");
+  ExpectSame(FromGrpcStatus(grpc::Status(kCode, message)), slow);
+  EXPECT_EQ(MessageWithReason(absl::UnavailableError("gone")), "gone");
+  for (const char* plain : {"", "[", "[]", "[] x", "[X]", "[X]x", "[x] y", "X] y", "[X Y] z",
+                            "Received message larger than max (5 vs. 4)"}) {
+    ExpectSame(FromGrpcStatus(grpc::Status(kCode, plain)), absl::ResourceExhaustedError(plain));
+  }
+}
+
+TEST(StatusConvertTest, ARetryDelayTravelsAsRetryInfo) {
+  const absl::Status plain = absl::UnavailableError("later");
+  const absl::Status field =
+      FieldError(absl::StatusCode::kResourceExhausted, "OVERLOADED", "commit", "found too many");
+  for (const absl::Status& status : {plain, field}) {
+    const absl::Status delayed = WithRetryDelay(status, 2'250);
+    ExpectSame(delayed, status);
+    for (const absl::Status& there :
+         {FromProto(ToProto(delayed)), FromGrpcStatus(ToGrpcStatus(delayed)),
+          FromProto(ToProto(WithFieldPrefix(delayed, "hello.")))}) {
+      EXPECT_EQ(RetryDelayMs(there).value_or(-1), 2'250);
+      EXPECT_EQ(ErrorReason(there), ErrorReason(status));
+    }
+    EXPECT_FALSE(RetryDelayMs(FromProto(ToProto(status))));
+  }
+  const auto proto = ToProto(WithRetryDelay(field, 2'250.2));
+  google::rpc::RetryInfo info;
+  ASSERT_TRUE(proto.details(2).UnpackTo(&info));
+  EXPECT_EQ(info.retry_delay().seconds(), 2);
+  EXPECT_EQ(info.retry_delay().nanos(), 251'000'000) << "never shorter";
+  info.mutable_retry_delay()->set_seconds(-5);
+  google::rpc::Status negative = proto;
+  negative.mutable_details(2)->PackFrom(info);
+  EXPECT_EQ(RetryDelayMs(FromProto(negative)).value_or(-1), 0);
+  for (const int64_t seconds : {int64_t{3'601}, INT64_MAX}) {
+    info.mutable_retry_delay()->set_seconds(seconds);
+    negative.mutable_details(2)->PackFrom(info);
+    EXPECT_EQ(RetryDelayMs(FromProto(negative)).value_or(-1), 3'600'000);
+  }
 }
 
 TEST(StatusConvertTest, ForeignErrorsKeepCodeAndMessage) {

@@ -2,18 +2,20 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <string>
 
 #include "client/display/light_text.h"
 #include "tests/support/random_ldi.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra {
 namespace {
 
 std::filesystem::path TemporaryPath(const std::string& name) {
-  return std::filesystem::path(testing::TempDir()) / ("penumbra_" + name);
+  return std::filesystem::path(::testing::TempDir()) / ("penumbra_" + name);
 }
 
 TEST(DeepExrTest, IsReadBackIdentical) {
@@ -61,7 +63,7 @@ TEST(DeepExrTest, OtherProgramsReadIt) {
   for (const char* what :
        {"70 x   33, 2 channel, deep float openexr", "channel list: Z, attenuation", "worldToCamera",
         "worldToNDC", "penumbra:sample_count: 64", "penumbra:light: \"lamp disk", "2 subimages"}) {
-    EXPECT_THAT(told, testing::HasSubstr(what));
+    EXPECT_THAT(told, ::testing::HasSubstr(what));
   }
   std::filesystem::remove(path);
   std::filesystem::remove(text);
@@ -100,6 +102,20 @@ TEST(LightTextTest, WhatIsNoLightIsRefused) {
                            "lamp sphere 1 2 3 4 5 6 7 8", "lamp sphere 1 2 3 x 5 6 7"}) {
     EXPECT_FALSE(LightFromText(text).ok()) << text;
   }
+}
+
+TEST(DeepExrTest, ALinkGoesOnLeadingToTheFileAndAPipeStays) {
+  const testing::TemporaryFolder folder;
+  std::ofstream(folder / "layers.exr") << "before";
+  std::filesystem::create_symlink("layers.exr", folder / "link.exr");
+  ASSERT_EQ(WriteDeepExr(folder / "link.exr", RandomLdi(4)), absl::OkStatus());
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.exr"));
+  EXPECT_EQ(ReadDeepExr(folder / "layers.exr").status(), absl::OkStatus());
+
+  const std::string pipe = folder / "pipe.exr";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_TRUE(absl::IsUnavailable(WriteDeepExr(pipe, RandomLdi(4))));
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
 }  // namespace

@@ -81,6 +81,19 @@ TEST_F(SceneChangeTest, LightAndReceiver) {
   EXPECT_TRUE(Affects({.remove_receivers = {"floor"}}));
 }
 
+TEST_F(SceneChangeTest, OfAllSurfacesReceiversThatStandByThemselvesAreSome) {
+  spec_ = {.params = LayeredAttenuationParams{}, .light_id = "lamp"};
+  EXPECT_TRUE(Affects({.upsert_receivers = {FloorReceiver("floor", 2, 8)}}));
+  EXPECT_TRUE(Affects({.upsert_receivers = {FloorReceiver("wall", 1, 8)}}));
+  EXPECT_TRUE(Affects({.remove_receivers = {"floor"}}));
+  EXPECT_FALSE(Affects({.upsert_receivers = {FloorReceiver("floor", 1, 8)}})) << "equal";
+  const Receiver face{.id = "face", .shape = PlanarSurface{.instance_id = "box", .triangle = 0}};
+  EXPECT_FALSE(Affects({.upsert_receivers = {face}})) << "of an instance, which is there already";
+  Instance shy = Box();
+  shy.receives = false;
+  EXPECT_TRUE(Affects({.upsert_instances = {shy}}));
+}
+
 TEST_F(SceneChangeTest, APlanarReceiverFollowsItsInstance) {
   Instance table{.id = "table",
                  .mesh = MeshOf(UnitSquareGeometry()),

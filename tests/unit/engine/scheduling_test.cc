@@ -149,7 +149,7 @@ TEST_F(SchedulingTest, ACommitOutOfTheWayLetsTheJobRunOn) {
   EXPECT_EQ(engine_.statistics().jobs_started, 1u);
 }
 
-TEST_F(SchedulingTest, WhoLeavesLastCancelsTheJob) {
+TEST_F(SchedulingTest, C16WhoLeavesLastCancelsTheJob) {
   UpdateLog second;
   auto a = Subscribe(log_);
   auto b = Subscribe(second);

@@ -115,7 +115,7 @@ TEST(TextureCoordinates, ScaleThenTurnThenMove) {
   EXPECT_LT(glm::distance(quarter.Apply({0, 1}), Vec2(13, 20)), 1e-5f);
 }
 
-TEST(Images, HeadersThatPromiseTooMuchAreRefusedBeforeDecoding) {
+TEST(Images, A21HeadersThatPromiseTooMuchAreRefusedBeforeDecoding) {
   std::string bomb;
   ASSERT_TRUE(absl::Base64Unescape(kPicture, &bomb));
   // Width and height of the header, big-endian, at byte 16: 16,384 × 16,384.

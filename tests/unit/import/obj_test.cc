@@ -67,7 +67,7 @@ TEST(Obj, ThinMaterialsCastNoShadow) {
   EXPECT_FALSE(InstanceOf(*scene, "pane").casts);
 }
 
-TEST(Obj, LibrariesOutsideTheFolderAreNotOpened) {
+TEST(Obj, E17LibrariesOutsideTheFolderAreNotOpened) {
   const TempFolder folder;
   folder.Write("up.mtl", "newmtl red\nKd 1 0 0\n");
   const auto scene = ImportScene(folder.Write(

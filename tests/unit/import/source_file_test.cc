@@ -38,7 +38,7 @@ TEST_F(SourceFile, NamesMayBePercentEncodedAndHoldBlanks) {
   EXPECT_EQ(Read("inner.bin").value(), "blank");
 }
 
-TEST_F(SourceFile, WhatLeavesTheFolderIsRefused) {
+TEST_F(SourceFile, E17WhatLeavesTheFolderIsRefused) {
   const std::string absolute = (folder_.path() / "secret.bin").string();
   for (const std::string& uri :
        {std::string("../secret.bin"), std::string("%2e%2e/secret.bin"),

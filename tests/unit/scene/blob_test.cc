@@ -56,7 +56,7 @@ TEST(Blob, IsReadInPiecesWhereItLies) {
   }
 }
 
-TEST(Blob, RefusesEveryTruncationAndAppendage) {
+TEST(Blob, A08RefusesEveryTruncationAndAppendage) {
   auto bytes = EncodeBlob(testing::UnitSquareGeometry());
   for (size_t size = 0; size < bytes.size(); ++size) {
     const auto cut = DecodeBlob(std::span(bytes).first(size));
@@ -69,7 +69,7 @@ TEST(Blob, RefusesEveryTruncationAndAppendage) {
 
 // Counts that overflow 32 bits when multiplied, or promise gigabytes: refused before anything is
 // allocated.
-TEST(Blob, ChecksDeclaredSizesFirst) {
+TEST(Blob, A07ChecksDeclaredSizesFirst) {
   auto bytes = EncodeBlob(testing::UnitSquareGeometry());
   for (const uint32_t count : {0xffffffffu, 0x40000000u, 0x15555556u}) {
     for (const size_t offset : {8, 12}) {
@@ -85,7 +85,7 @@ TEST(Blob, ChecksDeclaredSizesFirst) {
   EXPECT_EQ(ErrorReason(DecodeBlob(mask).status()), "LENGTH");
 }
 
-TEST(Blob, RefusesOtherFormats) {
+TEST(Blob, A21RefusesOtherFormats) {
   auto bytes = EncodeBlob(testing::UnitSquareGeometry());
   bytes[0] = std::byte{'X'};
   EXPECT_THAT(std::string(DecodeBlob(bytes).status().message()),

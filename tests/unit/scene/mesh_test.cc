@@ -54,7 +54,7 @@ TEST(Mesh, RefusesWhatIsWrongAndNamesIt) {
   ExpectRefused(short_uvs, invalid, "LENGTH", "uvs");
 }
 
-TEST(Mesh, RefusesMoreThanTheLimit) {
+TEST(Mesh, A10RefusesMoreThanTheLimit) {
   SceneLimits limits;
   limits.max_triangles_per_mesh = 0;
   EXPECT_EQ(ErrorReason(Mesh::Create(Triangle(), limits).status()), "QUOTA_TRIANGLES");
@@ -62,7 +62,7 @@ TEST(Mesh, RefusesMoreThanTheLimit) {
   EXPECT_EQ(Mesh::Create(Triangle(), limits).status().code(), absl::StatusCode::kResourceExhausted);
 }
 
-TEST(Mesh, NamesEqualShapesAlike) {
+TEST(Mesh, A03NamesEqualShapesAlike) {
   auto negative_zero = Triangle();
   negative_zero.positions[0] = Vec3(-0.0f);
   EXPECT_EQ((*Mesh::Create(Triangle()))->id(), (*Mesh::Create(negative_zero))->id());
@@ -71,7 +71,7 @@ TEST(Mesh, NamesEqualShapesAlike) {
   EXPECT_NE((*Mesh::Create(Triangle()))->id(), (*Mesh::Create(other))->id());
 }
 
-TEST(Mesh, AcceptsAndCountsDegenerateTriangles) {
+TEST(Mesh, A04AcceptsAndCountsDegenerateTriangles) {
   auto geometry = Triangle();
   geometry.positions.push_back({2, 0, 0});
   geometry.indices.insert(geometry.indices.end(), {0, 1, 3, 1, 1, 2});

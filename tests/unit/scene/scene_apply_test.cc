@@ -199,7 +199,7 @@ const Refusal kRefusals[] = {
 INSTANTIATE_TEST_SUITE_P(Delta, SceneRefusalTest, ::testing::ValuesIn(kRefusals),
                          [](const auto& refusal) { return refusal.param.what; });
 
-TEST(SceneApply, HasLimits) {
+TEST(SceneApply, A10HasLimits) {
   SceneLimits limits;
   limits.max_instances = 3;
   SceneDelta more;
@@ -215,7 +215,7 @@ TEST(SceneApply, HasLimits) {
   EXPECT_EQ(Studio()->Apply(light, limits).status().code(), absl::StatusCode::kResourceExhausted);
 }
 
-TEST(SceneApply, AcceptsSingularTransforms) {
+TEST(SceneApply, A15AcceptsSingularTransforms) {
   SceneDelta delta;
   delta.upsert_instances = {Box("flat"), Box("mirror")};
   delta.upsert_instances[0].world_from_mesh = testing::Placed(Vec3(0), 0);

@@ -61,7 +61,7 @@ TEST(PeerAddressTest, IsNamedAsByGrpcAndCountedByNetwork) {
   EXPECT_EQ(PeerAddress::Of(V6("::1", 80)).host, "");
 }
 
-TEST(ConnectionTableTest, BoundsAllAndThoseOfOneAddress) {
+TEST(ConnectionTableTest, C22BoundsAllAndThoseOfOneAddress) {
   ConnectionTable table({.max_connections = 5, .max_connections_per_address = 2});
   std::vector<Pair> pairs(8);
   EXPECT_TRUE(table.Add(pairs[0].ends[0], PeerAddress::Of(V4("192.0.2.1", 1))));
@@ -86,7 +86,7 @@ TEST(ConnectionTableTest, ADescriptorThatIsAnotherSocketIsAClosedConnection) {
   EXPECT_EQ(table.size(), 1u);
 }
 
-TEST(ConnectionTableTest, IsNeverMoreThanHalfOfTheDescriptors) {
+TEST(ConnectionTableTest, C22IsNeverMoreThanHalfOfTheDescriptors) {
   const ConnectionTable table({.max_connections = 1 << 20});
   EXPECT_LE(table.max_connections(), sysconf(_SC_OPEN_MAX) / 2);
 }

@@ -39,6 +39,14 @@ std::string ShortId(uint32_t number) {
   return id;
 }
 
+// A field of bytes as it stands on the wire.
+std::string Field(int number, const std::string& content) {
+  std::string field(1, static_cast<char>(number << 3 | 2));
+  size_t length = content.size();
+  for (; length > 127; length >>= 7) field += static_cast<char>(length | 128);
+  return field + static_cast<char>(length) + content;
+}
+
 TEST(BoundedParseTest, HonestMessagesPass) {
   const v1::SessionRequest large = LargeHonestCommit();
   ASSERT_GT(large.ByteSizeLong(), 700'000u);
@@ -58,7 +66,7 @@ TEST(BoundedParseTest, AFullSceneMayBeEmptiedAtOnce) {
   EXPECT_EQ(Parse(emptied.SerializeAsString(), request), absl::OkStatus());
 }
 
-TEST(BoundedParseTest, UnknownFieldsPassAndCount) {
+TEST(BoundedParseTest, B15UnknownFieldsPassAndCount) {
   v1::SessionRequest request;
   EXPECT_EQ(Parse("\x78\x05", request), absl::OkStatus());  // field 15, varint
   std::string many;
@@ -66,7 +74,27 @@ TEST(BoundedParseTest, UnknownFieldsPassAndCount) {
   EXPECT_EQ(ErrorReason(Parse(many, request)), "QUOTA_ELEMENTS");
 }
 
-TEST(BoundedParseTest, EmptyMessagesByTheThousandAreRefusedUnparsed) {
+TEST(BoundedParseTest, B15NothingIsKeptOfUnknownFields) {
+  v1::SessionRequest known;
+  known.mutable_presence()->set_display_name("Ada");
+  known.mutable_presence()->mutable_camera()->set_fov_y_deg(30);
+  known.mutable_presence()->add_selected_ids("box");
+  const std::string secret(1'000, 's');
+  std::string presence = known.presence().SerializeAsString();
+  presence += Field(15, secret);                                   // no such field
+  presence += Field(v1::Presence::kColourRgbFieldNumber, secret);  // a number's, as bytes
+  presence += Field(v1::Presence::kCameraFieldNumber, Field(15, secret));
+  const std::string bytes =
+      Field(v1::SessionRequest::kPresenceFieldNumber, presence) + Field(15, secret);
+  v1::SessionRequest kept;
+  ASSERT_TRUE(kept.ParseFromString(bytes));
+  ASSERT_GT(kept.ByteSizeLong(), 4'000u) << "which protobuf itself keeps";
+  v1::SessionRequest request;
+  ASSERT_EQ(Parse(bytes, request), absl::OkStatus());
+  EXPECT_EQ(request.SerializeAsString(), known.SerializeAsString());
+}
+
+TEST(BoundedParseTest, B16EmptyMessagesByTheThousandAreRefusedUnparsed) {
   std::string instances;
   for (int i = 0; i < 80'000; ++i) instances += std::string("\x12\x00", 2);
   v1::SessionRequest outer;
@@ -76,14 +104,6 @@ TEST(BoundedParseTest, EmptyMessagesByTheThousandAreRefusedUnparsed) {
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(ErrorReason(status), "QUOTA_ELEMENTS");
   EXPECT_EQ(request.request_case(), v1::SessionRequest::REQUEST_NOT_SET);
-}
-
-// A field of bytes as it stands on the wire.
-std::string Field(int number, const std::string& content) {
-  std::string field(1, static_cast<char>(number << 3 | 2));
-  size_t length = content.size();
-  for (; length > 127; length >>= 7) field += static_cast<char>(length | 128);
-  return field + static_cast<char>(length) + content;
 }
 
 // A commit of `count` times `element`, filled up to about `bytes` with a long key.
@@ -109,7 +129,7 @@ v1::SessionRequest MostThatPasses(const std::string& element, size_t bytes) {
   return parsed;
 }
 
-TEST(BoundedParseTest, WhatPassesTakesNotMuchMoreThanItsBytes) {
+TEST(BoundedParseTest, B16WhatPassesTakesNotMuchMoreThanItsBytes) {
   const std::string kElements[] = {
       std::string("\x12\x00", 2),                  // an empty instance
       std::string("\x1a\x00", 2),                  // an empty id

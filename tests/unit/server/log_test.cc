@@ -1,4 +1,4 @@
-// That no value can break out of its line of the log (HARDENING E08), and that the log stays short.
+// That no value can break out of its line of the log (row E08), and that the log stays short.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

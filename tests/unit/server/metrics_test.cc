@@ -49,9 +49,11 @@ TEST_F(MetricsTest, CountersAndGaugesAreWhatTheyAreAtTheScrape) {
   EXPECT_THAT(first, HasSubstr("vendor=\"Mesa \\\"x\\\"\\nforged 1\""));
   ++counters_.commits;
   counters_.cache_hits = 2;
+  gauges_.results.found_in_store = 7;
   const std::string second = Scrape();
   EXPECT_EQ(SampleIn(second, "penumbra_commits_total"), 4);
   EXPECT_EQ(SampleIn(second, "penumbra_artifact_cache_lookups_total{result=\"hit\"}"), 2);
+  EXPECT_EQ(SampleIn(second, "penumbra_result_lookups_total{found=\"disk\"}"), 7);
 }
 
 TEST_F(MetricsTest, CallsAreCountedByMethodAndCodeAndTimed) {

@@ -4,29 +4,25 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
 
+#include "server/data_folder.h"
+#include "tests/support/temporary_folder.h"
+
 namespace penumbra::testing {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class OptionsTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = std::filesystem::temp_directory_path() / "penumbra-options-XXXXXX";
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::string File(const std::string& text) {
     const std::string path = folder_ / "penumbra.toml";
     std::ofstream(path, std::ios::binary) << text;
@@ -43,7 +39,7 @@ class OptionsTest : public ::testing::Test {
     return std::string(command.status().message());
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder folder_;
   std::map<std::string, std::string> environment_;
 };
 
@@ -58,6 +54,57 @@ TEST_F(OptionsTest, TheCommandLineGoesBeforeTheEnvironmentBeforeTheFileBeforeThe
   EXPECT_EQ(command->drain_seconds, 7);
   EXPECT_EQ(command->server.listen, "unix:a");
   EXPECT_EQ(command->log_level, "info");
+}
+
+TEST_F(OptionsTest, ScenesAreKeptWhereTheFirstSays) {
+  EXPECT_EQ(Read({})->server.data_dir, "");
+  environment_ = {{"HOME", "/home/ana"}};
+  EXPECT_EQ(Read({})->server.data_dir, "/home/ana/.local/share/penumbra");
+  environment_["XDG_DATA_HOME"] = "relative";
+  EXPECT_EQ(Read({})->server.data_dir, "/home/ana/.local/share/penumbra");
+  environment_["XDG_DATA_HOME"] = "/data";
+  EXPECT_EQ(Read({})->server.data_dir, "/data/penumbra");
+  environment_["STATE_DIRECTORY"] = "/no/such/state:/other";
+  EXPECT_EQ(Read({})->server.data_dir, "/no/such/state");
+  // systemd's may be a link, which a server refuses.
+  std::filesystem::create_directory(folder_ / "private");
+  std::filesystem::create_symlink(folder_ / "private", folder_ / "state");
+  environment_["STATE_DIRECTORY"] = folder_ / "state";
+  EXPECT_EQ(Read({})->server.data_dir, std::filesystem::canonical(folder_ / "private"));
+  EXPECT_FALSE(Read({})->has_data_dir);
+  environment_["PENUMBRA_DATA_DIR"] = "/mine";
+  EXPECT_EQ(Read({})->server.data_dir, "/mine");
+  EXPECT_TRUE(Read({})->has_data_dir);
+  EXPECT_EQ(Read({"--data-dir", "/yours"})->server.data_dir, "/yours");
+}
+
+TEST_F(OptionsTest, EphemeralComesFromEverySource) {
+  environment_ = {{"HOME", "/home/ana"}};
+  EXPECT_FALSE(Read({})->ephemeral);
+  EXPECT_TRUE(Read({"--ephemeral"})->ephemeral);
+  EXPECT_TRUE(Read({"--config", File("ephemeral = true\n")})->ephemeral);
+  environment_["PENUMBRA_EPHEMERAL"] = "1";
+  EXPECT_TRUE(Read({})->ephemeral);
+  // What is printed of it can be read again.
+  const std::string printed = Read({"--print-config"})->text;
+  environment_.erase("PENUMBRA_EPHEMERAL");
+  const auto again = Read({"--config", File(printed)});
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_TRUE(again->ephemeral);
+  EXPECT_FALSE(again->has_data_dir);
+}
+
+TEST_F(OptionsTest, AFolderAndEphemeralExcludeEachOther) {
+  EXPECT_EQ(CheckDataFolder("/a", true, false), absl::OkStatus());
+  EXPECT_EQ(CheckDataFolder("/a", false, false), absl::OkStatus());
+  EXPECT_EQ(CheckDataFolder("/a", false, true), absl::OkStatus());
+  EXPECT_EQ(CheckDataFolder("", false, true), absl::OkStatus());
+  EXPECT_THAT(std::string(CheckDataFolder("/a", true, true).message()),
+              AllOf(HasSubstr("/a"), HasSubstr("ephemeral")));
+  EXPECT_THAT(std::string(CheckDataFolder("", true, false).message()),
+              AllOf(HasSubstr("found nothing"), HasSubstr("--ephemeral"), Not(HasSubstr("HOME"))));
+  EXPECT_THAT(std::string(CheckDataFolder("", false, false).message()),
+              AllOf(HasSubstr("HOME"), HasSubstr("--data-dir"), HasSubstr("--ephemeral")));
 }
 
 TEST_F(OptionsTest, TheFileIsFoundByTheEnvironmentToo) {
@@ -103,7 +150,7 @@ TEST_F(OptionsTest, FilesThatCannotBeMeantAreRefused) {
               HasSubstr("control character"));
   EXPECT_THAT(ErrorOf({"--config", File("config = \"b.toml\"\n")}), HasSubstr("'config'"));
   EXPECT_THAT(ErrorOf({"--config", File(std::string(2 << 20, '\n'))}), HasSubstr("1 MiB"));
-  for (const std::string missing : {folder_ / "none.toml", folder_}) {
+  for (const std::string& missing : {folder_ / "none.toml", folder_.path()}) {
     const auto command = Read({"--config", missing});
     EXPECT_EQ(command.status().code(), absl::StatusCode::kNotFound);
     EXPECT_THAT(std::string(command.status().message()),
@@ -132,8 +179,7 @@ TEST_F(OptionsTest, WhatIsPrintedReadsBackTheSame) {
   EXPECT_THAT(printed->text, HasSubstr("threads = 0  # default\n"));
   EXPECT_THAT(printed->text, HasSubstr("runners = 5  # PENUMBRA_RUNNERS\n"));
   EXPECT_THAT(printed->text, HasSubstr("reflection = true  # command line\n"));
-  EXPECT_THAT(printed->text,
-              HasSubstr("log-level = \"debug\"  # " + (folder_ / "penumbra.toml").string()));
+  EXPECT_THAT(printed->text, HasSubstr("log-level = \"debug\"  # " + (folder_ / "penumbra.toml")));
   environment_.clear();
   const auto command = Read({"--config", File(printed->text)});
   ASSERT_TRUE(command.ok()) << command.status() << "\n" << printed->text;

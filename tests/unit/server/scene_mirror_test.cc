@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "penumbra/v1/session.pb.h"
+#include "proto/convert/geometry_convert.h"
 #include "render/scene/scene_difference.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/shapes.h"
@@ -45,13 +47,24 @@ TEST(DifferenceTest, TurnsTheOneIntoTheOther) {
 
 constexpr size_t kMessage = 1 << 20;
 
+v1::SceneUpdate UpdateIn(const grpc::ByteBuffer& message) {
+  grpc::Slice slice;
+  EXPECT_TRUE(message.DumpToSingleSlice(&slice).ok());
+  v1::SessionResponse response;
+  EXPECT_TRUE(response.ParseFromArray(slice.begin(), static_cast<int>(slice.size())));
+  return response.scene_update();
+}
+
+v1::SceneUpdate Next(SceneMirror& mirror) { return UpdateIn(mirror.NextUpdate()); }
+
 TEST(SceneMirrorTest, BeginsWithASnapshotAndMeltsCommitsTogether) {
-  SceneMirror mirror(kMessage);
+  SceneUpdates updates(kMessage);
+  SceneMirror mirror(updates);
   EXPECT_FALSE(mirror.HasUpdate());
   const auto one = With(Scene::Empty("s"), Box("a"));
   mirror.Offer(one);
   ASSERT_TRUE(mirror.HasUpdate());
-  const auto snapshot = mirror.NextUpdate();
+  const auto snapshot = Next(mirror);
   EXPECT_TRUE(snapshot.is_snapshot());
   EXPECT_EQ(snapshot.revision(), 1u);
   EXPECT_FALSE(mirror.HasUpdate());
@@ -61,7 +74,7 @@ TEST(SceneMirrorTest, BeginsWithASnapshotAndMeltsCommitsTogether) {
     mirror.Offer(scene);
   }
   mirror.Offer(one);  // late
-  const auto update = mirror.NextUpdate();
+  const auto update = Next(mirror);
   EXPECT_FALSE(update.is_snapshot());
   EXPECT_EQ(update.from_revision(), 1u);
   EXPECT_EQ(update.revision(), 11u);
@@ -70,15 +83,17 @@ TEST(SceneMirrorTest, BeginsWithASnapshotAndMeltsCommitsTogether) {
 }
 
 TEST(SceneMirrorTest, AnEmptySceneHasASnapshotToo) {
-  SceneMirror mirror(kMessage);
+  SceneUpdates updates(kMessage);
+  SceneMirror mirror(updates);
   mirror.Offer(Scene::Empty("s"));
   ASSERT_TRUE(mirror.HasUpdate());
-  EXPECT_TRUE(mirror.NextUpdate().is_snapshot());
+  EXPECT_TRUE(Next(mirror).is_snapshot());
   EXPECT_FALSE(mirror.HasUpdate());
 }
 
 TEST(SceneMirrorTest, OwnCommitsAreToldOnlyWhereOthersCameBetween) {
-  SceneMirror mirror(kMessage);
+  SceneUpdates updates(kMessage);
+  SceneMirror mirror(updates);
   const auto one = With(Scene::Empty("s"), Box("a"));
   mirror.Offer(one);
   mirror.NextUpdate();
@@ -88,7 +103,7 @@ TEST(SceneMirrorTest, OwnCommitsAreToldOnlyWhereOthersCameBetween) {
   const auto others = With(own, Box("c"));
   const auto own_again = With(others, Box("d"));
   EXPECT_FALSE(mirror.CanTellOwnCommit(own_again));
-  const auto update = mirror.NextUpdate();
+  const auto update = Next(mirror);
   EXPECT_EQ(update.from_revision(), 2u);
   EXPECT_EQ(update.revision(), 4u);
   EXPECT_EQ(update.delta().upsert_instances_size(), 2);
@@ -96,7 +111,8 @@ TEST(SceneMirrorTest, OwnCommitsAreToldOnlyWhereOthersCameBetween) {
 }
 
 TEST(SceneMirrorTest, LargeChangesComeInPieces) {
-  SceneMirror mirror(2048);
+  SceneUpdates updates(2048);
+  SceneMirror mirror(updates);
   SceneDelta delta;
   for (int i = 0; i < 100; ++i) delta.upsert_instances.push_back(Box("box" + std::to_string(i)));
   mirror.Offer(*Scene::Empty("s")->Apply(delta));
@@ -104,7 +120,7 @@ TEST(SceneMirrorTest, LargeChangesComeInPieces) {
   bool is_continued = true;
   while (is_continued) {
     ASSERT_TRUE(mirror.HasUpdate());
-    const auto piece = mirror.NextUpdate();
+    const auto piece = Next(mirror);
     EXPECT_LE(piece.ByteSizeLong(), 2048u);
     EXPECT_EQ(piece.is_snapshot(), pieces == 0);
     is_continued = piece.is_continued();
@@ -112,6 +128,28 @@ TEST(SceneMirrorTest, LargeChangesComeInPieces) {
   }
   EXPECT_GT(pieces, 5);
   EXPECT_FALSE(mirror.HasUpdate());
+}
+
+TEST(SceneUpdatesTest, AreWrittenOnceForAllAtTheSameRevision) {
+  SceneUpdates updates(kMessage);
+  const auto one = With(Scene::Empty("s"), Box("a"));
+  const auto two = With(one, Box("b"));
+  const auto first = updates.Between(one, two);
+  EXPECT_EQ(updates.Between(one, two), first);
+  EXPECT_NE(updates.Between(nullptr, two), first);
+  EXPECT_EQ(updates.Between(nullptr, two), updates.Between(nullptr, two));
+  EXPECT_TRUE(UpdateIn(updates.Between(nullptr, two)->front()).is_snapshot());
+}
+
+// A scene that is gone may have given its place in memory to another.
+TEST(SceneUpdatesTest, OfASceneThatIsGoneAreNotTakenForAnothers) {
+  SceneUpdates updates(kMessage);
+  const auto base = With(Scene::Empty("s"), Box("a"));
+  for (int i = 0; i < 300; ++i) {
+    const auto next = With(base, Box("b", static_cast<float>(i)));
+    const auto update = UpdateIn(updates.Between(base, next)->front());
+    EXPECT_EQ(update.content_hash(), ToProto(next->content_hash()));
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <variant>
@@ -21,29 +22,36 @@ constexpr uint32_t kSide = 256;
 constexpr uint64_t kId = 9;
 
 // An engine whose artifacts the test makes up.
-class ScriptedEngine : public Engine {
+class ScriptedEngine : public SharedEngine {
  public:
-  absl::Status CreateScene(const std::string&) override { return absl::OkStatus(); }
-  absl::Status DeleteScene(const std::string&) override { return absl::OkStatus(); }
-  absl::StatusOr<std::vector<SceneInfo>> ListScenes() override { return std::vector<SceneInfo>(); }
-  absl::StatusOr<Revision> Commit(const std::string&, const SceneDelta&) override { return 1; }
-  absl::StatusOr<std::shared_ptr<const Scene>> Snapshot(const std::string&) override {
-    return Scene::Empty("s");
-  }
-  absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string&, const ArtifactSpec&,
-                                                          ArtifactCallback callback) override {
+  absl::StatusOr<std::unique_ptr<SharedSubscription>> SubscribeFor(
+      const Party& party, const std::string&, const ArtifactSpec&,
+      ArtifactCallback callback) override {
     publish = std::move(callback);
     ++subscriptions;
-    return std::make_unique<Subscription>();
-  }
-  absl::Status ReportView(const std::string&, const std::string&,
-                          const std::optional<View>&) override {
-    return absl::OkStatus();
+    auto subscription = std::make_unique<ScriptedSubscription>(*this);
+    subscription->Join(party);
+    return subscription;
   }
 
   ArtifactCallback publish;
   int subscriptions = 0;
+  std::multiset<Party> parties;
+
+ private:
+  class ScriptedSubscription : public SharedSubscription {
+   public:
+    explicit ScriptedSubscription(ScriptedEngine& engine) : engine_(engine) {}
+    void Join(const Party& party) override { engine_.parties.insert(party); }
+    void Leave(const Party& party) override { engine_.parties.erase(engine_.parties.find(party)); }
+
+   private:
+    ScriptedEngine& engine_;
+  };
 };
+
+const Party kMe{"me", "1"};
+const Party kYou{"you", "2"};
 
 std::shared_ptr<const Artifact> MakeArtifact(Revision revision, bool radiance = false) {
   SoftShadowTexture texture;
@@ -77,7 +85,7 @@ std::shared_ptr<const Artifact> MakeArtifact(Revision revision, bool radiance = 
 class SubscriptionFeedTest : public ::testing::Test {
  protected:
   SubscriptionFeed MakeFeed(uint32_t credit) {
-    return SubscriptionFeed(kId, streams_.Follow("s", "1", {}).value(), credit, limits_);
+    return SubscriptionFeed(kId, streams_.Follow(kMe, "s", "1", {}).value(), credit, limits_);
   }
   void Publish(Revision revision, bool radiance = false) {
     engine_.publish({revision, absl::OkStatus(), MakeArtifact(revision, radiance)});
@@ -105,14 +113,14 @@ class SubscriptionFeedTest : public ::testing::Test {
 // An engine that is busy with one scene.
 class BusyEngine : public ScriptedEngine {
  public:
-  absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(const std::string& scene_id,
-                                                          const ArtifactSpec& spec,
-                                                          ArtifactCallback callback) override {
+  absl::StatusOr<std::unique_ptr<SharedSubscription>> SubscribeFor(
+      const Party& party, const std::string& scene_id, const ArtifactSpec& spec,
+      ArtifactCallback callback) override {
     if (scene_id == "busy") {
       is_waiting.set_value();
       go_on.get_future().wait();
     }
-    return ScriptedEngine::Subscribe(scene_id, spec, std::move(callback));
+    return ScriptedEngine::SubscribeFor(party, scene_id, spec, std::move(callback));
   }
 
   std::promise<void> is_waiting, go_on;
@@ -121,17 +129,34 @@ class BusyEngine : public ScriptedEngine {
 TEST_F(SubscriptionFeedTest, ASceneThatIsBusyKeepsNoOtherWaiting) {
   BusyEngine engine;
   StreamTable streams(engine, services_);
-  auto busy = std::async(std::launch::async, [&] { return streams.Follow("busy", "1", {}); });
+  auto busy = std::async(std::launch::async, [&] { return streams.Follow(kMe, "busy", "1", {}); });
   engine.is_waiting.get_future().wait();
-  auto other = std::async(std::launch::async, [&] { return streams.Follow("other", "2", {}); });
+  auto other =
+      std::async(std::launch::async, [&] { return streams.Follow(kMe, "other", "2", {}); });
   EXPECT_EQ(other.wait_for(std::chrono::seconds(10)), std::future_status::ready);
-  auto again = std::async(std::launch::async, [&] { return streams.Follow("busy", "1", {}); });
+  auto again = std::async(std::launch::async, [&] { return streams.Follow(kMe, "busy", "1", {}); });
   engine.go_on.set_value();
   const auto first = busy.get();
   ASSERT_TRUE(first.ok());
   EXPECT_EQ(*again.get(), *first) << "one stream, started once";
   EXPECT_EQ(engine.subscriptions, 2);
   EXPECT_TRUE(other.get().ok());
+}
+
+TEST_F(SubscriptionFeedTest, WhoFollowsTakesPartInItsJobsUntilTheyLeave) {
+  auto mine = streams_.Follow(kMe, "s", "1", {}).value();
+  auto again = streams_.Follow(kMe, "s", "1", {}).value();
+  auto yours = streams_.Follow(kYou, "s", "1", {}).value();
+  EXPECT_EQ(mine, yours) << "one stream";
+  EXPECT_EQ(engine_.parties, (std::multiset<Party>{kMe, kMe, kYou}));
+  mine.reset();
+  EXPECT_EQ(engine_.parties, (std::multiset<Party>{kMe, kYou}));
+  auto copy = yours;
+  yours.reset();
+  again.reset();
+  EXPECT_EQ(engine_.parties, (std::multiset<Party>{kYou}));
+  copy.reset();
+  EXPECT_TRUE(engine_.parties.empty());
 }
 
 TEST_F(SubscriptionFeedTest, SendsNothingBeforeThereIsAnythingOrWithoutCredit) {
@@ -232,7 +257,7 @@ TEST_F(SubscriptionFeedTest, SubscribersShareOneStreamAndItsBytes) {
   Publish(1);
   EXPECT_EQ(Next(one).SerializeAsString(), Next(other).SerializeAsString());
   EXPECT_EQ(counters_.artifacts_encoded, 1u);
-  EXPECT_TRUE(streams_.Follow("s", "2", {}).ok());
+  EXPECT_TRUE(streams_.Follow(kMe, "s", "2", {}).ok());
   EXPECT_EQ(engine_.subscriptions, 2) << "a scene made anew is another scene";
 }
 

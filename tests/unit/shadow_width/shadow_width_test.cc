@@ -11,44 +11,12 @@
 #include <vector>
 
 #include "render/scene/field_error.h"
-#include "tests/support/shapes.h"
+#include "tests/unit/shadow_width/small_scenes.h"
 
 namespace penumbra::testing {
 namespace {
 
 using ::testing::HasSubstr;
-
-AreaLight Lamp(float side) {
-  return {.id = "lamp",
-          .shape = RectangleLight{.corner = {-0.5f * side, 3, -0.5f * side},
-                                  .edge_u = {side, 0, 0},
-                                  .edge_v = {0, 0, side}}};
-}
-
-Instance Box(std::string id, Vec3 center, Vec3 half) {
-  return {.id = std::move(id),
-          .mesh = MeshOf(UnitBoxGeometry()),
-          .world_from_mesh = Placed(center, half)};
-}
-
-Instance Ground() {
-  return {.id = "ground",
-          .mesh = MeshOf(UnitSquareGeometry()),
-          .world_from_mesh = Placed(Vec3(0), Vec3(2, 1, 2))};
-}
-
-absl::StatusOr<Artifact> Compute(const SceneDelta& delta, const ShadowWidthParams& params,
-                                 std::vector<Artifact>* passes = nullptr) {
-  const auto scene = Scene::Empty("s")->Apply(delta).value();
-  tbb::task_arena arena(2);
-  ComputeContext context{.arena = arena};
-  if (passes) context.progress = [&](Artifact pass) { passes->push_back(std::move(pass)); };
-  return ShadowWidth().Compute(*scene, {params, "lamp"}, context);
-}
-
-float OnFloor(const Artifact& artifact, float x, float z, float y = 0) {
-  return Visibility(artifact, Vec3(x, y, z), Vec3(0, 1, 0));
-}
 
 const ShadowWidthMap& MapOf(const Artifact& artifact) {
   return std::get<ShadowWidthMap>(artifact.payload);

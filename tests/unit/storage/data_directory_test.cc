@@ -62,6 +62,12 @@ TEST(DataDirectoryTest, D08TwoServersCannotHaveIt) {
   auto first = DataDirectory::Open(folder / "data");
   ASSERT_EQ(first.status(), absl::OkStatus());
   ExpectRefused(folder / "data", "DATA_DIR_LOCKED");
+  // Whoever starts a second one without options hears what to do.
+  const std::string message(DataDirectory::Open(folder / "data").status().message());
+  const std::string data = folder / "data";
+  for (const char* part : {data.c_str(), "--data-dir", "--ephemeral"}) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  }
   first->reset();
   EXPECT_EQ(DataDirectory::Open(folder / "data").status(), absl::OkStatus());
 }

@@ -1,5 +1,5 @@
 // A disk that fails at each of its calls in turn: what was acknowledged is there, and what was not
-// is whole or not there. Rows D05, D06 and D10 of the catalogue.
+// is whole or not there. Rows D05 and D06 of the catalogue.
 
 #include <gtest/gtest.h>
 

@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "render/scene/field_error.h"
+#include "server/storage/database.h"
 #include "server/storage/durable_file.h"
 #include "tests/support/scene_records.h"
 #include "tests/support/temporary_folder.h"
@@ -26,6 +29,17 @@ class SceneFileTest : public ::testing::Test {
       EXPECT_EQ(WriteDurably(copy + suffix, *bytes), absl::OkStatus());
     }
     return SceneFile::Open(copy, {}).value();
+  }
+  // Every snapshot and delta that is kept.
+  static std::vector<std::string> BodiesIn(SceneFile& file) {
+    std::vector<std::string> bodies;
+    for (auto next = file.SnapshotAfter(0).value(); next;) {
+      bodies.push_back(next->body);
+      next = file.SnapshotAfter(next->revision).value();
+    }
+    const auto commits = file.CommitsAfter(0, file.head().revision, 1u << 30).value();
+    for (const CommitRecord& commit : commits) bodies.push_back(commit.delta);
+    return bodies;
   }
 
   TemporaryFolder folder_;
@@ -61,6 +75,19 @@ TEST_F(SceneFileTest, AGapIsNoHistory) {
   EXPECT_EQ(file->Append(CommitsBetween(1, 1)), absl::OkStatus());
 }
 
+TEST_F(SceneFileTest, ARevisionThatNoColumnHoldsIsRefused) {
+  constexpr Revision kLast = std::numeric_limits<int64_t>::max();
+  auto file = SceneFile::Create(path_, StudioIdentity(), {}, {.snapshot = SnapshotAt(kLast - 1)});
+  ASSERT_EQ(file.status(), absl::OkStatus());
+  EXPECT_EQ((*file)->Append(CommitsBetween(kLast, kLast)), absl::OkStatus());
+  const std::vector<CommitRecord> next{CommitAt(kLast + 1)};
+  EXPECT_EQ(ErrorReason((*file)->Append(next)), "RANGE");
+  EXPECT_EQ(OpenACopy()->head().revision, kLast);
+  const auto beyond = SceneFile::Create(folder_ / "beyond.db", StudioIdentity(), {},
+                                        {.snapshot = SnapshotAt(kLast + 1)});
+  EXPECT_EQ(ErrorReason(beyond.status()), "RANGE");
+}
+
 TEST_F(SceneFileTest, SnapshotsShortenTheWayAndHistoryStaysLongEnough) {
   const HistoryLimits limits{.commits = 10, .snapshot_after_bytes = 1u << 20, .answers = 5};
   auto file = Create();
@@ -83,6 +110,29 @@ TEST_F(SceneFileTest, SnapshotsShortenTheWayAndHistoryStaysLongEnough) {
   EXPECT_EQ(ErrorReason(compacted), "COMPACTED");
   EXPECT_EQ(file->History(80).value().size(), 15u);
   EXPECT_EQ(file->History(90).value().front().revision, 91u);
+}
+
+TEST_F(SceneFileTest, HistoryIsShorterWhereItWouldTakeTooMuch) {
+  const HistoryLimits limits{.commits = 1'000, .bytes = 600};
+  const auto file = Create();
+  for (Revision revision = 1; revision <= 200; ++revision) {
+    ASSERT_EQ(file->Append(CommitsBetween(revision, revision)), absl::OkStatus());
+    if (file->is_snapshot_due(limits)) {
+      ASSERT_EQ(file->AppendSnapshot(SnapshotAt(revision), limits), absl::OkStatus());
+    }
+  }
+  uint64_t bytes = 0;
+  for (const std::string& body : BodiesIn(*file)) bytes += body.size();
+  // Until the next snapshot is due it may grow by half, and the newest one is not counted.
+  EXPECT_LE(bytes, 600u + 300u + 100u);
+  EXPECT_GE(bytes, 200u) << "nor is more given up than has to be";
+  const Revision oldest = file->OldestRevision().value();
+  EXPECT_GT(oldest, 150u);
+  EXPECT_LT(oldest, 200u);
+  for (Revision revision = oldest; revision <= 200; ++revision) {
+    EXPECT_TRUE(file->StateAt(revision).ok()) << revision;
+  }
+  EXPECT_EQ(ErrorReason(file->StateAt(oldest - 1).status()), "COMPACTED");
 }
 
 TEST_F(SceneFileTest, AnswersOutliveTheirDeltas) {
@@ -136,17 +186,50 @@ TEST_F(SceneFileTest, TheLogOfAnEarlierFileOfTheNameIsNotReplayed) {
   EXPECT_EQ(Create()->head().revision, 0u);
 }
 
-TEST_F(SceneFileTest, EveryBodyIsVisited) {
+TEST_F(SceneFileTest, AFileOfTheFirstFormatIsReadAndBecomesOneOfTheNewest) {
+  ASSERT_EQ(Create()->Append(CommitsBetween(1, 5)), absl::OkStatus());
+  {
+    auto database = Database::Open(path_, {}).value();
+    ASSERT_EQ(
+        database.Execute("ALTER TABLE scene DROP COLUMN journal; UPDATE scene SET format = 1"),
+        absl::OkStatus());
+  }
+  for (int i = 0; i < 2; ++i) {  // and again as it has become
+    auto file = SceneFile::Open(path_, {}).value();
+    EXPECT_EQ(file->head().revision, 5u + static_cast<Revision>(i));
+    EXPECT_EQ(file->journal(), "");
+    ASSERT_EQ(file->Settle(), absl::OkStatus());
+    ASSERT_EQ(file->Append(CommitsBetween(6 + i, 6 + i), "a journal"), absl::OkStatus());
+    EXPECT_EQ(file->journal(), "a journal");
+    ASSERT_EQ(file->Append({}), absl::OkStatus());
+    EXPECT_EQ(file->journal(), "");
+  }
+}
+
+TEST_F(SceneFileTest, TheJournalThatItNamesIsSealed) {
+  ASSERT_EQ(Create()->Append(CommitsBetween(1, 5), "a journal"), absl::OkStatus());
+  EXPECT_EQ(SceneFile::Open(path_, {}).value()->journal(), "a journal");
+  {
+    auto database = Database::Open(path_, {}).value();
+    ASSERT_EQ(database.Execute("UPDATE scene SET journal = x''"), absl::OkStatus());
+  }
+  EXPECT_EQ(ErrorReason(SceneFile::Open(path_, {}).status()), "DAMAGED");
+}
+
+TEST_F(SceneFileTest, EachSnapshotIsFoundFromBothSides) {
   const auto file = Create();
   ASSERT_EQ(file->Append(CommitsBetween(1, 5)), absl::OkStatus());
   ASSERT_EQ(file->AppendSnapshot(SnapshotAt(5), {}), absl::OkStatus());
-  size_t count = 0;
-  ASSERT_EQ(file->ForEachBody([&](std::string_view) {
-    ++count;
-    return absl::OkStatus();
-  }),
-            absl::OkStatus());
-  EXPECT_EQ(count, 6u);
+  ASSERT_EQ(file->Append(CommitsBetween(6, 8)), absl::OkStatus());
+  ASSERT_EQ(file->AppendSnapshot(SnapshotAt(8), {}), absl::OkStatus());
+  EXPECT_EQ(BodiesIn(*file).size(), 10u) << "2 snapshots, 8 deltas";
+  EXPECT_FALSE(file->SnapshotFor(4).value());
+  EXPECT_EQ(file->SnapshotFor(5).value()->revision, 5u);
+  EXPECT_EQ(file->SnapshotFor(7).value()->body, SnapshotAt(5).body);
+  EXPECT_EQ(file->SnapshotFor(8).value()->revision, 8u);
+  EXPECT_EQ(file->SnapshotAfter(5).value()->revision, 8u);
+  EXPECT_FALSE(file->SnapshotAfter(8).value());
+  EXPECT_EQ(ErrorReason(file->SnapshotFor(9).status()), "FUTURE_BASE");
 }
 
 TEST_F(SceneFileTest, TwoCannotHaveIt) {

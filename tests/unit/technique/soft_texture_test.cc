@@ -126,7 +126,7 @@ TEST(SoftTexture, SurvivesGeometryThatCastsNothing) {
   for (const uint16_t count : TextureOf(*artifact).visibility.counts) ASSERT_EQ(count, 64);
 }
 
-TEST(SoftTexture, DefinesALightInTheReceiversPlane) {
+TEST(SoftTexture, A14DefinesALightInTheReceiversPlane) {
   SceneDelta delta = RandomBoxes(4, 3);
   delta.upsert_receivers = {Floor(16, 16)};
   delta.upsert_lights = {

@@ -1,0 +1,75 @@
+#include "server/scene_store/commit_admission.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "render/scene/field_error.h"
+#include "render/scene/retry_delay.h"
+
+namespace penumbra {
+namespace {
+
+using Ms = std::chrono::duration<double, std::milli>;
+
+// What is behind by so much has caught up about as long after, if nothing more comes. Not shorter
+// than a few transactions take, and not so long that a disk that works again stands idle.
+constexpr double kLeastRetryMs = 50;
+constexpr double kMostRetryMs = 5'000;
+
+absl::Status TooMuch(const char* reason, const std::string& text, double behind_ms) {
+  return WithRetryDelay(FieldError(absl::StatusCode::kResourceExhausted, reason, "commit", text),
+                        std::clamp(behind_ms, kLeastRetryMs, kMostRetryMs));
+}
+
+absl::Status TooManyBytes(uint64_t found, uint64_t most, const char* of_whom, double behind_ms) {
+  return TooMuch("QUOTA_PENDING_BYTES",
+                 absl::StrCat("found ", found,
+                              " bytes of commits on their way to the disk with this one, need at "
+                              "most ",
+                              most, " ", of_whom),
+                 behind_ms);
+}
+
+absl::Status AdmitToScene(uint64_t bytes, const SceneBacklog& scene, const ServerLimits& limits,
+                          double waited_ms) {
+  if (scene.commits >= limits.max_pending_commits) {
+    return TooMuch(
+        "QUOTA_PENDING",
+        absl::StrCat("found ", scene.commits, " commits on their way to the disk, need fewer than ",
+                     limits.max_pending_commits, " of one scene"),
+        waited_ms);
+  }
+  if (scene.bytes + bytes <= limits.max_pending_commit_bytes) return absl::OkStatus();
+  return TooManyBytes(scene.bytes + bytes, limits.max_pending_commit_bytes, "of one scene",
+                      waited_ms);
+}
+
+}  // namespace
+
+absl::Status AdmitCommit(const CommitRequest& request, const SceneBacklog& scene,
+                         const StorageBacklog& all, const ServerLimits& limits,
+                         StorageBacklog::Clock::time_point now) {
+  double behind_ms = Ms(all.Age(now)).count();
+  if (scene.commits > 0) {
+    const double waited_ms = Ms(now - scene.oldest_came).count();
+    if (auto status = AdmitToScene(request.bytes, scene, limits, waited_ms); !status.ok()) {
+      return status;
+    }
+    behind_ms = std::max(behind_ms, waited_ms);
+  }
+  const uint64_t theirs = all.BytesOf(request.principal) + request.bytes;
+  const uint64_t share = all.ShareOf(request.principal, limits.max_all_pending_commit_bytes);
+  if (theirs > share) {
+    return TooManyBytes(theirs, share, "of all scenes of one principal, half of what others leave",
+                        behind_ms);
+  }
+  if (behind_ms <= limits.max_commit_delay_ms) return absl::OkStatus();
+  return TooMuch("OVERLOADED",
+                 absl::StrCat("found the disk ", static_cast<int64_t>(behind_ms),
+                              " ms behind, need at most ", limits.max_commit_delay_ms),
+                 behind_ms);
+}
+
+}  // namespace penumbra

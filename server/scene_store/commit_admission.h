@@ -1,0 +1,34 @@
+// Which commits are let in: no more than are on their way to the disk, in number, bytes and time.
+//
+//   if (auto status = AdmitCommit(request, of_scene, backlog, limits, now); !status.ok()) …
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "absl/status/status.h"
+#include "server/limits.h"
+#include "server/scene_store/commit_request.h"
+#include "server/scene_store/storage_backlog.h"
+
+namespace penumbra {
+
+// What a scene has on its way to the disk.
+struct SceneBacklog {
+  size_t commits = 0;
+  uint64_t bytes = 0;                             // of their requests
+  StorageBacklog::Clock::time_point oldest_came;  // where there is one
+};
+
+// `request` is to the scene that `scene` is of, and `all` of all scenes. A principal may have half
+// of what the others leave of limits.max_all_pending_commit_bytes: however many come, there is
+// something left for the next.
+//
+// Errors  kResourceExhausted, each with a retry delay  QUOTA_PENDING: in number, of the scene;
+//         QUOTA_PENDING_BYTES: of the scene, or of the principal; OVERLOADED: those that are on
+//         their way have been for too long
+absl::Status AdmitCommit(const CommitRequest& request, const SceneBacklog& scene,
+                         const StorageBacklog& all, const ServerLimits& limits,
+                         StorageBacklog::Clock::time_point now);
+
+}  // namespace penumbra

@@ -1,0 +1,163 @@
+// Scenes that are edited so fast that their commits go to a journal, and what becomes of them.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "proto/convert/scene_convert.h"
+#include "render/scene/field_error.h"
+#include "tests/integration/service/durable_scenes.h"
+#include "tests/support/faulty_vfs.h"
+
+namespace penumbra::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BusyScenesTest : public DurableScenesTest {
+ protected:
+  // A scene that is edited now and then, and one that somebody drags things in.
+  void SetUp() override {
+    Restart();
+    MakeStudio("quiet");
+    MakeStudio("busy");
+    for (int i = 1; i <= 20; ++i) Drag(i);
+    ASSERT_FALSE(fs::is_empty(folder_ / "data/journals"));
+    before_ = client_->FindScene("busy").value();
+    EXPECT_EQ(before_.revision, 21u);
+  }
+  void Drag(int i) {
+    const std::string key = "drag" + std::to_string(i);
+    ASSERT_FALSE(session_->Commit(MoveBox({0, 1, 0.01f * static_cast<float>(i)}), key).has_error());
+  }
+  // The folder as it is at this moment, as a kill leaves it, becomes the server's.
+  void Crash() {
+    fs::remove_all(folder_ / "copy");
+    fs::copy(folder_ / "data", folder_ / "copy", fs::copy_options::recursive);
+    session_.reset();
+    client_.reset();
+    server_.reset();
+    fs::remove_all(folder_ / "data");
+    fs::rename(folder_ / "copy", folder_ / "data");
+  }
+  std::string Journal() { return folder_ / "data/journals/1.db"; }
+  void ExpectAsBefore() {
+    const SceneInfo after = client_->FindScene("busy").value();
+    EXPECT_EQ(after.revision, before_.revision);
+    EXPECT_EQ(after.content_hash, before_.content_hash);
+    EXPECT_EQ(client_->FindScene("quiet")->revision, 1u);
+  }
+  void ExpectRefused() {
+    EXPECT_EQ(logger_.Await("scene_refused", 1)[0]["scene"], "busy");
+    EXPECT_EQ(EndOfSession("busy").code(), absl::StatusCode::kDataLoss);
+    EXPECT_EQ(client_->FindScene("quiet")->revision, 1u) << "nothing of it is in the journal";
+  }
+
+  SceneInfo before_;
+};
+
+TEST_F(BusyScenesTest, D01AreWholeAfterACrash) {
+  Crash();
+  Restart();
+  ExpectAsBefore();
+  session_ = client_->OpenSession("busy");
+  EXPECT_EQ(session_->Commit(MoveBox({0, 1, 0.2f}), "drag20").revision(), 21u) << "it is known";
+  EXPECT_EQ(session_->Commit(MoveBox({0, 1, 3})).revision(), 22u);
+  // Nothing is left to be done a second time.
+  Restart();
+  EXPECT_EQ(client_->FindScene("busy")->revision, 22u);
+}
+
+// Those that come while the disk does not answer go to the journal together.
+TEST_F(BusyScenesTest, D01AreWholeAfterACrashWhenManyOfTheirCommitsWereWrittenTogether) {
+  FaultyVfs disk;
+  options_.storage.database.vfs = disk.name();
+  options_.limits.max_commit_delay_ms = 60'000;
+  Restart();
+  session_ = client_->OpenSession("busy");
+  for (int i = 21; i <= 25; ++i) Drag(i);
+  ASSERT_FALSE(fs::is_empty(folder_ / "data/journals"));
+  disk.Stall();
+  for (int i = 26; i <= 45; ++i) {
+    v1::SessionRequest request;
+    const SceneDelta delta = MoveBox({0, 1, 0.01f * static_cast<float>(i)});
+    *request.mutable_commit()->mutable_delta() = ToProto(delta);
+    session_->Send(request);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // until all of them wait
+  disk.Heal();
+  for (Revision revision = 27; revision <= 46; ++revision) {
+    const auto answer = session_->ReadUntil(v1::SessionResponse::kCommitResult);
+    EXPECT_EQ(answer ? answer->commit_result().revision() : 0, revision);
+  }
+  before_ = client_->FindScene("busy").value();
+  Crash();
+  options_.storage.database.vfs = nullptr;
+  Restart();
+  ExpectAsBefore();
+}
+
+TEST_F(BusyScenesTest, AreInTheirOwnFilesOnceTheyRest) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(2'500));
+  Crash();
+  fs::remove_all(folder_ / "data/journals");
+  Restart();
+  ExpectAsBefore();
+}
+
+TEST_F(BusyScenesTest, AreInTheirOwnFilesOnceTheServerEnds) {
+  session_.reset();
+  client_.reset();
+  server_.reset();
+  EXPECT_TRUE(fs::is_empty(folder_ / "data/journals"));
+  Restart();
+  ExpectAsBefore();
+}
+
+TEST_F(BusyScenesTest, D04AreRefusedWithoutTheirJournalAndOthersAreServed) {
+  Crash();
+  fs::rename(Journal(), folder_ / "kept.db");
+  fs::rename(Journal() + "-wal", folder_ / "kept.db-wal");
+  Restart();
+  ExpectRefused();
+  // Once it is back they are whole.
+  session_.reset();
+  client_.reset();
+  server_.reset();
+  fs::rename(folder_ / "kept.db", Journal());
+  fs::rename(folder_ / "kept.db-wal", Journal() + "-wal");
+  Restart();
+  ExpectAsBefore();
+}
+
+TEST_F(BusyScenesTest, D04AreRefusedWithADamagedJournalWhichIsLeftAsItIs) {
+  Crash();
+  const std::string log = Journal() + "-wal";
+  std::string bytes;
+  {
+    std::ifstream stream(log, std::ios::binary);
+    bytes.assign((std::istreambuf_iterator<char>(stream)), {});
+  }
+  bytes[bytes.size() / 3] ^= 1;
+  std::ofstream(log, std::ios::binary) << bytes;
+  for (int i = 1; i <= 2; ++i) {
+    Restart();
+    EXPECT_EQ(logger_.Await("journal_damaged", static_cast<size_t>(i)).size(),
+              static_cast<size_t>(i));
+    ExpectRefused();
+    MakeStudio("other" + std::to_string(i));
+    for (int j = 0; j < 10; ++j) {
+      EXPECT_FALSE(session_->Commit(MoveBox({0, 1, 0.1f * static_cast<float>(j)})).has_error());
+    }
+  }
+  std::ifstream stream(log, std::ios::binary);
+  EXPECT_EQ(std::string((std::istreambuf_iterator<char>(stream)), {}), bytes);
+}
+
+}  // namespace
+}  // namespace penumbra::testing

@@ -1,0 +1,103 @@
+#include "server/scene_store/commit_admission.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+
+#include "render/scene/field_error.h"
+#include "render/scene/retry_delay.h"
+
+namespace penumbra::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using Clock = StorageBacklog::Clock;
+
+class CommitAdmissionTest : public ::testing::Test {
+ protected:
+  absl::Status Admit(const std::string& principal, uint64_t bytes, const SceneBacklog& scene = {}) {
+    return AdmitCommit({.principal = principal, .bytes = bytes}, scene, all_, limits_, now_);
+  }
+  void ExpectRefused(const absl::Status& status, const char* reason, const char* text,
+                     double delay_ms) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+    EXPECT_EQ(ErrorReason(status), reason) << status;
+    EXPECT_EQ(ErrorFieldPath(status), "commit");
+    EXPECT_THAT(std::string(status.message()), HasSubstr(text));
+    EXPECT_EQ(RetryDelayMs(status), delay_ms) << status;
+  }
+  // The most that are let in.
+  void ExpectRoom(const std::string& principal, uint64_t bytes) {
+    EXPECT_EQ(Admit(principal, bytes), absl::OkStatus()) << principal;
+    EXPECT_EQ(ErrorReason(Admit(principal, bytes + 1)), "QUOTA_PENDING_BYTES") << principal;
+  }
+
+  const ServerLimits limits_{.max_pending_commits = 10,
+                             .max_pending_commit_bytes = 400,
+                             .max_all_pending_commit_bytes = 1'000,
+                             .max_commit_delay_ms = 250};
+  StorageBacklog all_;
+  const Clock::time_point now_{std::chrono::hours(1)};
+};
+
+TEST_F(CommitAdmissionTest, WhoeverComesNextFindsHalfOfWhatIsLeft) {
+  ExpectRoom("greedy", 500);
+  all_.Add("greedy", 500);
+  ExpectRefused(Admit("greedy", 1), "QUOTA_PENDING_BYTES",
+                "found 501 bytes of commits on their way to the disk with this one, need at most "
+                "500 of all scenes of one principal",
+                50);
+  ExpectRoom("modest", 250);
+  all_.Add("modest", 250);
+  ExpectRoom("third", 125);
+  all_.Add("third", 125);
+  ExpectRoom("fourth", 62);
+  all_.Remove("modest", 250);
+  ExpectRoom("third", 125);  // (1'000 - 500) / 2, of which it has 125
+  all_.Remove("greedy", 500);
+  all_.Remove("third", 125);
+  ExpectRoom("modest", 500);
+  EXPECT_EQ(all_.BytesOf("greedy"), 0u);
+}
+
+TEST_F(CommitAdmissionTest, EmptyCommitsTakeNoRoom) {
+  for (const uint64_t bytes : {0, 500, 0}) all_.Add("ana", bytes);
+  EXPECT_EQ(Admit("ana", 0), absl::OkStatus());
+  for (const uint64_t bytes : {500, 0, 0}) all_.Remove("ana", bytes);
+  ExpectRoom("ana", 500);
+}
+
+TEST_F(CommitAdmissionTest, WhatCameAtTheSameMomentMayPassTheLimitAndLeavesNothing) {
+  all_.Add("one", 800);
+  all_.Add("another", 300);
+  EXPECT_EQ(ErrorReason(Admit("third", 1)), "QUOTA_PENDING_BYTES");
+  all_.Remove("one", 800);
+  ExpectRoom("third", 350);
+}
+
+TEST_F(CommitAdmissionTest, AScenesCommitsAreBoundedWhoeverTheyAreOf) {
+  const SceneBacklog scene{.commits = 9, .bytes = 390, .oldest_came = now_};
+  EXPECT_EQ(Admit("ana", 10, scene), absl::OkStatus());
+  ExpectRefused(Admit("ana", 11, scene), "QUOTA_PENDING_BYTES", "at most 400 of one scene", 50);
+  const SceneBacklog many{
+      .commits = 10, .bytes = 10, .oldest_came = now_ - std::chrono::milliseconds(120)};
+  ExpectRefused(Admit("ana", 1, many), "QUOTA_PENDING", "fewer than 10 of one scene", 120);
+}
+
+TEST_F(CommitAdmissionTest, WhatIsBehindForTooLongIsToldHowLongToWait) {
+  all_.OnPosted(WrittenTo::kFile, now_ - std::chrono::milliseconds(250));
+  EXPECT_EQ(Admit("ana", 1), absl::OkStatus());
+  all_.OnTaken(WrittenTo::kFile);
+  all_.OnPosted(WrittenTo::kFile, now_ - std::chrono::milliseconds(300));
+  // What goes to the journal is no sign that files are written.
+  all_.OnPosted(WrittenTo::kJournal, now_);
+  all_.OnTaken(WrittenTo::kJournal);
+  ExpectRefused(Admit("ana", 1), "OVERLOADED", "300 ms behind", 300);
+  const SceneBacklog slow{.commits = 1, .bytes = 1, .oldest_came = now_ - std::chrono::minutes(1)};
+  ExpectRefused(Admit("ana", 1, slow), "OVERLOADED", "60000 ms behind", 5'000);
+}
+
+}  // namespace
+}  // namespace penumbra::testing
