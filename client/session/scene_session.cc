@@ -190,9 +190,10 @@ absl::Status SceneSession::ReportView(const std::optional<View>& view) {
     view_ = view;
     if (!is_connected_) return absl::OkStatus();  // it will be told
   }
-  if (Send(request)) return absl::OkStatus();
+  // Of a link that has just broken the reader will know: the next one is told, or there is none.
+  if (Send(request) || !has_ended_) return absl::OkStatus();
   std::lock_guard lock(mutex_);
-  return has_ended_ ? end_reason_ : absl::UnavailableError(absl::StrCat(address_, ": is gone"));
+  return end_reason_;
 }
 
 absl::StatusOr<std::vector<EachSubscription>> SceneSession::SubscribeEach(
