@@ -31,6 +31,7 @@ v1::Limits ToProto(const ServerLimits& limits) {
   proto.set_max_pending_commit_bytes(limits.max_pending_commit_bytes);
   proto.set_max_all_pending_commit_bytes(limits.max_all_pending_commit_bytes);
   proto.set_max_commit_delay_ms(limits.max_commit_delay_ms);
+  proto.set_max_read_delay_ms(limits.max_read_delay_ms);
   proto.set_max_history_bytes(limits.max_history_bytes);
   proto.set_max_artifacts(limits.max_artifacts);
   return proto;

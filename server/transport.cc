@@ -16,8 +16,6 @@
 namespace penumbra {
 namespace {
 
-// The reflection library adds itself to every server of the process as soon as it is loaded; this
-// takes it out again.
 class WithoutReflection final : public grpc::ServerBuilderOption {
  public:
   void UpdateArguments(grpc::ChannelArguments*) override {}
@@ -39,9 +37,13 @@ void PrepareTransport() {
   });
 }
 
+void LeaveOutReflection(grpc::ServerBuilder& builder) {
+  builder.SetOption(std::make_unique<WithoutReflection>());
+}
+
 void ConfigureTransport(const ServerLimits& limits, bool with_reflection,
                         grpc::ServerBuilder& builder) {
-  if (!with_reflection) builder.SetOption(std::make_unique<WithoutReflection>());
+  if (!with_reflection) LeaveOutReflection(builder);
   // gRPC unpacks before it looks at the size: a megabyte can become a gigabyte.
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);

@@ -13,4 +13,8 @@ void PrepareTransport();
 void ConfigureTransport(const ServerLimits& limits, bool with_reflection,
                         grpc::ServerBuilder& builder);
 
+// The reflection library adds itself to every server of the process as soon as it is loaded; this
+// takes it out again.
+void LeaveOutReflection(grpc::ServerBuilder& builder);
+
 }  // namespace penumbra

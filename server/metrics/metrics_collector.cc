@@ -123,6 +123,8 @@ void AddGauges(Families& f, const MetricsGauges& gauges) {
   AddGauge(f, "penumbra_blob_bytes", "Bytes of blobs held, uploads under way included",
            static_cast<double>(gauges.blob_bytes));
   AddGauge(f, "penumbra_uptime_seconds", "Time since the start", gauges.uptime_seconds);
+  AddGauge(f, "penumbra_read_delay_seconds", "How long requests wait until they are read",
+           gauges.read_delay_seconds);
   AddGauge(f, "penumbra_degraded", "1 where there is no OpenGL", gauges.is_degraded ? 1 : 0);
   f.push_back({"penumbra_gl_info",
                "The OpenGL in use",

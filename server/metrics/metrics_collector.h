@@ -32,6 +32,7 @@ struct MetricsGauges {
   uint64_t blobs = 0;
   uint64_t blob_bytes = 0;
   double uptime_seconds = 0;
+  double read_delay_seconds = 0;
   bool is_degraded = false;
   // GL strings; empty where there is none.
   std::string gl_vendor;

@@ -13,6 +13,7 @@
 #include "render/scene/field_error.h"
 #include "render/scene/retry_delay.h"
 #include "render/scene/scene.h"
+#include "server/scene_store/commit_admission.h"
 #include "server/session/bounded_parse.h"
 #include "server/session/session.h"
 
@@ -126,6 +127,10 @@ void Session::OnCommit(const v1::Commit& commit, const absl::Status& allowed) {
     replies_.push_back(reply);
   }
   if (!allowed.ok()) return AnswerCommit(*reply, allowed);
+  const double lot = services_.read_delay.OnRequest();
+  const absl::Status admitted =
+      AdmitByReadDelay(services_.read_delay.Now(), lot, services_.limits);
+  if (!admitted.ok()) return AnswerCommit(*reply, admitted);
   Apply(commit, [weak = weak_from_this(), reply](const absl::StatusOr<CommitOutcome>& outcome) {
     if (const auto session = weak.lock()) session->AnswerCommit(*reply, outcome);
   });

@@ -1,4 +1,4 @@
-// A disk that does not keep up: commits that would wait for too long, or too many of them, are
+// A disk or a processor that does not keep up: commits that would wait for too long, or too many of them, are
 // refused at once, with a time to come back; those that were let in are kept.
 
 #include <gtest/gtest.h>
@@ -171,6 +171,45 @@ TEST_F(OverloadTest, TheLibrarysCommitsComeThroughOnce) {
   ASSERT_TRUE(revision.ok()) << revision.status();
   EXPECT_EQ(*revision, 3u);
   EXPECT_EQ(client_->FindScene("studio")->revision, 3u);
+}
+
+// Where the processor does not keep up; here it never does, once it has been asked.
+TEST_F(OverloadTest, WhileRequestsWaitToBeReadCommitsAreRefused) {
+  options_.limits.max_read_delay_ms = 0;
+  Restart();
+  MakeStudio();
+  constexpr uint64_t kCommits = 40;
+  for (uint64_t id = 0; id < kCommits; ++id) SendCommit(id, MoveBox({0.1f * id, 1, 0}));
+  uint64_t accepted = 0;
+  for (uint64_t i = 0; i < kCommits; ++i) {
+    const auto result = NextResult();
+    if (result.has_error()) {
+      ExpectRefusal(result, "OVERLOADED");
+    } else {
+      EXPECT_EQ(result.revision(), 2 + accepted++);
+    }
+  }
+  EXPECT_LT(accepted, kCommits);
+  EXPECT_EQ(client_->FindScene("studio")->revision, 1 + accepted);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_EQ(session_->Commit(MoveBox({3, 1, 0})).revision(), 2 + accepted) << "all is as before";
+}
+
+TEST_F(OverloadTest, AndTheLibrarysComeThroughOnce) {
+  options_.limits.max_read_delay_ms = 0;
+  options_.metrics_listen = "127.0.0.1:0";
+  Restart();
+  MakeStudio();
+  const auto engine = RemoteEngine::Connect({.address = server_->address()});
+  ASSERT_TRUE(engine.ok()) << engine.status();
+  for (uint64_t i = 0; i < 20; ++i) {
+    const auto revision = (*engine)->Commit("studio", MoveBox({0.1f * i, 1, 0}));
+    ASSERT_TRUE(revision.ok()) << revision.status();
+    EXPECT_EQ(*revision, 2 + i);
+  }
+  const std::string metrics = HttpGet(server_->metrics_address(), "/metrics");
+  EXPECT_NE(metrics.find("penumbra_failures_total{reason=\"OVERLOADED\"}"), std::string::npos);
+  EXPECT_NE(metrics.find("penumbra_read_delay_seconds "), std::string::npos);
 }
 
 TEST_F(OverloadTest, RefusalsAreCountedByTheirReason) {

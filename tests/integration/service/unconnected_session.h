@@ -86,6 +86,7 @@ class UnconnectedSession {
   StreamTable streams_{engine_, stream_services_};
   PresenceTable presence_;
   SceneUpdates updates_{limits_.max_message_bytes};
+  ReadDelay read_delay_;
   const SessionServices services_{.scenes = scenes_,
                                   .blobs = blobs_,
                                   .blob_access = blob_access_,
@@ -93,6 +94,7 @@ class UnconnectedSession {
                                   .presence = presence_,
                                   .updates = updates_,
                                   .quotas = quotas_,
+                                  .read_delay = read_delay_,
                                   .limits = limits_,
                                   .counters = counters_,
                                   .ledger = ledger_};

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "render/scene/field_error.h"
 #include "render/scene/retry_delay.h"
@@ -37,7 +39,8 @@ class CommitAdmissionTest : public ::testing::Test {
   const ServerLimits limits_{.max_pending_commits = 10,
                              .max_pending_commit_bytes = 400,
                              .max_all_pending_commit_bytes = 1'000,
-                             .max_commit_delay_ms = 250};
+                             .max_commit_delay_ms = 250,
+                             .max_read_delay_ms = 30};
   StorageBacklog all_;
   const Clock::time_point now_{std::chrono::hours(1)};
 };
@@ -75,6 +78,38 @@ TEST_F(CommitAdmissionTest, WhatCameAtTheSameMomentMayPassTheLimitAndLeavesNothi
   EXPECT_EQ(ErrorReason(Admit("third", 1)), "QUOTA_PENDING_BYTES");
   all_.Remove("one", 800);
   ExpectRoom("third", 350);
+}
+
+TEST_F(CommitAdmissionTest, TheLongerRequestsWaitToBeReadTheMoreAreRefused) {
+  const auto refused_of_1000 = [&](double waited_ms) {
+    const auto waited = std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double, std::milli>(waited_ms));
+    int refused = 0;
+    for (int i = 0; i < 1'000; ++i) refused += !AdmitByReadDelay(waited, i / 1e3, limits_).ok();
+    return refused;
+  };
+  EXPECT_EQ(refused_of_1000(0), 0);
+  EXPECT_EQ(refused_of_1000(3), 0);
+  EXPECT_NEAR(refused_of_1000(16.5), 500, 1);
+  EXPECT_EQ(refused_of_1000(30), 1'000);
+  EXPECT_EQ(refused_of_1000(2'000), 1'000);
+}
+
+TEST_F(CommitAdmissionTest, ThoseWhoAreRefusedTogetherDoNotComeBackTogether) {
+  for (const auto waited : {std::chrono::milliseconds(15), std::chrono::milliseconds(60)}) {
+    std::vector<double> delays_ms;
+    for (int i = 0; i < 1'000; ++i) {
+      const absl::Status status = AdmitByReadDelay(waited, i / 1e3, limits_);
+      if (!status.ok()) delays_ms.push_back(RetryDelayMs(status).value());
+    }
+    ASSERT_GT(delays_ms.size(), 100u);
+    std::ranges::sort(delays_ms);
+    for (size_t i = 0; i < delays_ms.size(); ++i) {
+      EXPECT_NEAR(delays_ms[i], 200 + 400.0 * i / delays_ms.size(), 5);
+    }
+  }
+  ExpectRefused(AdmitByReadDelay(std::chrono::milliseconds(31), 0, limits_), "OVERLOADED",
+                "found requests read 31 ms after they came, need at most 30", 200);
 }
 
 TEST_F(CommitAdmissionTest, AScenesCommitsAreBoundedWhoeverTheyAreOf) {

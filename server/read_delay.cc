@@ -1,0 +1,196 @@
+#include "server/read_delay.h"
+
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
+#include "grpcpp/channel.h"
+#include "grpcpp/create_channel_posix.h"
+#include "grpcpp/generic/async_generic_service.h"
+#include "grpcpp/generic/generic_stub.h"
+#include "grpcpp/server.h"
+#include "grpcpp/server_builder.h"
+#include "grpcpp/server_posix.h"
+#include "render/math/hand_over.h"
+#include "server/transport.h"
+
+namespace penumbra {
+namespace {
+
+// A message takes about a tenth of what a commit does. Requests that come more slowly than these are
+// not what keeps the processor busy.
+constexpr uint64_t kRequestsForOne = 8;
+constexpr std::chrono::milliseconds kMostForThem{20};
+// Between messages.
+constexpr std::chrono::milliseconds kInterval{5};
+// What is older says nothing about now.
+constexpr std::chrono::milliseconds kMemory{250};
+// A message that takes longer is late. One may be: a thread had to wait for its turn on a processor,
+// which does not take kTurn.
+constexpr std::chrono::milliseconds kLate{6};
+constexpr std::chrono::milliseconds kTurn{12};
+// After two late ones in a row, for so long one is enough.
+constexpr std::chrono::seconds kAlert{1};
+
+grpc::ByteBuffer OneByte() {
+  const grpc::Slice slice("?", 1);
+  return grpc::ByteBuffer(&slice, 1);
+}
+
+}  // namespace
+
+// The connection to ourselves: its one call, from both ends.
+class ReadDelay::Loop final : public grpc::CallbackGenericService {
+ public:
+  static std::unique_ptr<Loop> Open() {
+    std::array<int, 2> ends{};
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+      return nullptr;
+    }
+    return std::unique_ptr<Loop>(new Loop(ends[0], ends[1]));
+  }
+
+  ~Loop() override {
+    sender_.End();
+    server_->Shutdown(std::chrono::system_clock::now());
+  }
+
+  void Send(Clock::time_point now) {
+    {
+      std::lock_guard lock(mutex_);
+      if (is_under_way_ || !is_written_ || now - sent_ < kInterval) return;
+      if (now - came_ >= kMemory) last_ = kNone;
+      is_under_way_ = true;
+      is_written_ = false;
+      sent_ = now;
+    }
+    sender_.Send();
+  }
+
+  Clock::duration Now() const {
+    const auto now = Clock::now();
+    std::lock_guard lock(mutex_);
+    const Clock::duration so_far = is_under_way_ ? now - sent_ : kNone;
+    if (now >= alert_until_ && so_far < kTurn) return kNone;
+    return std::max(so_far, now - came_ < kMemory ? last_ : kNone);
+  }
+
+ private:
+  class Sender final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+   public:
+    explicit Sender(Loop& loop) : loop_(loop) {}
+
+    void Begin(grpc::GenericStub& stub) {
+      stub.PrepareBidiStreamingCall(&context_, "/penumbra/ReadDelay", {}, this);
+      AddHold();  // for what Send sends
+      StartCall();
+    }
+    void Send() {
+      callbacks_.Give();
+      StartWrite(&message_);
+    }
+    void End() {
+      context_.TryCancel();
+      RemoveHold();
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return is_done_; });
+    }
+
+    void OnWriteDone(bool ok) override {
+      callbacks_.Take();
+      if (ok) loop_.OnWritten();
+    }
+    void OnDone(const grpc::Status&) override {
+      callbacks_.Take();
+      std::lock_guard lock(mutex_);
+      is_done_ = true;
+      changed_.notify_all();
+    }
+
+   private:
+    Loop& loop_;
+    HandOver callbacks_;
+    grpc::ClientContext context_;
+    const grpc::ByteBuffer message_ = OneByte();
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    bool is_done_ = false;
+  };
+
+  class Receiver final : public grpc::ServerGenericBidiReactor {
+   public:
+    explicit Receiver(Loop& loop) : loop_(loop) { StartRead(&message_); }
+
+    void OnReadDone(bool ok) override {
+      callbacks_.Take();
+      if (!ok) return Finish(grpc::Status::OK);
+      loop_.OnCame();
+      callbacks_.Give();
+      StartRead(&message_);
+    }
+    void OnDone() override { delete this; }
+
+   private:
+    Loop& loop_;
+    HandOver callbacks_;
+    grpc::ByteBuffer message_;
+  };
+
+  Loop(int client_end, int server_end) : sender_(*this) {
+    grpc::ServerBuilder builder;
+    LeaveOutReflection(builder);
+    builder.RegisterCallbackGenericService(this);
+    server_ = builder.BuildAndStart();
+    grpc::AddInsecureChannelFromFd(server_.get(), server_end);
+    grpc::GenericStub stub(grpc::CreateInsecureChannelFromFd("", client_end));
+    sender_.Begin(stub);
+  }
+
+  grpc::ServerGenericBidiReactor* CreateReactor(grpc::GenericCallbackServerContext*) override {
+    return new Receiver(*this);
+  }
+
+  void OnWritten() {
+    std::lock_guard lock(mutex_);
+    is_written_ = true;
+  }
+  void OnCame() {
+    std::lock_guard lock(mutex_);
+    is_under_way_ = false;
+    came_ = Clock::now();
+    const Clock::duration before = std::exchange(last_, came_ - sent_);
+    if (std::min(last_, before) >= kLate || last_ >= kTurn) alert_until_ = came_ + kAlert;
+  }
+
+  static constexpr Clock::duration kNone = Clock::duration::zero();
+
+  mutable std::mutex mutex_;  // guards the next six
+  bool is_under_way_ = false, is_written_ = true;
+  Clock::time_point sent_{}, came_{}, alert_until_{};
+  Clock::duration last_{};  // what the last one has taken
+  Sender sender_;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+ReadDelay::ReadDelay() : loop_(Loop::Open()) {}
+ReadDelay::~ReadDelay() = default;
+
+double ReadDelay::OnRequest() {
+  const uint64_t number = ++requests_;
+  if (loop_ && number % kRequestsForOne == 0) {
+    const auto now = Clock::now();
+    if (now - eighth_.exchange(now) <= kMostForThem) loop_->Send(now);
+  }
+  // Multiples of the golden ratio, modulo 1.
+  return static_cast<double>(number * 0x9E3779B97F4A7C15u >> 11) * 0x1p-53;
+}
+
+ReadDelay::Clock::duration ReadDelay::Now() const {
+  return loop_ ? loop_->Now() : Clock::duration::zero();
+}
+
+}  // namespace penumbra
