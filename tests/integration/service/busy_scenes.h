@@ -10,11 +10,10 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <system_error>
 
 #include "server/storage/commit_journal.h"
-#include "server/storage/scene_file.h"
 #include "tests/integration/service/durable_scenes.h"
+#include "tests/support/left_by_kill.h"
 
 namespace penumbra::testing {
 
@@ -64,30 +63,10 @@ class BusyScenesTest : public DurableScenesTest {
   }
 
   // The folder as it is at this moment, as a kill leaves it.
-  void Copy() {
-    std::error_code error;
-    for (int i = 0; i < 100; ++i) {
-      std::filesystem::remove_all(folder_ / "copy");
-      std::filesystem::copy(folder_ / "data", folder_ / "copy",
-                            std::filesystem::copy_options::recursive, error);
-      if (!error) return;  // else the server has just renamed or removed a file
-    }
-    FAIL() << error.message();
-  }
-  // The scene's newest file there; null: it cannot be read, or was just being written.
-  std::unique_ptr<SceneFile> FileInCopy(const std::string& id) {
-    for (int number = 9; number > 0; --number) {
-      const std::string path =
-          folder_ / ("copy/scenes/" + id + "~" + std::to_string(number) + ".db");
-      if (!std::filesystem::exists(path)) continue;
-      auto file = SceneFile::Open(path, {});
-      return file.ok() ? *std::move(file) : nullptr;
-    }
-    return nullptr;
-  }
+  void Copy() { LeaveAsByKill(folder_ / "data", folder_ / "copy"); }
   // Its commits that are in a journal there and nowhere else. All of them are acknowledged.
   Revision JournalledInCopy(const std::string& id) {
-    const auto file = FileInCopy(id);
+    const auto file = SceneFileIn(folder_ / "copy", id);
     if (!file || file->journal().empty()) return 0;
     return client_->FindScene(id)->revision - file->head().revision;
   }

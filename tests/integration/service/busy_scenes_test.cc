@@ -68,7 +68,7 @@ TEST_F(BusyScenesTest, AreInTheirOwnFilesOnceTheyRest) {
   for (bool is_resting = false; !is_resting;) {
     ASSERT_LT(std::chrono::steady_clock::now(), end) << "its file still names the journal";
     Copy();
-    const auto file = FileInCopy("busy");
+    const auto file = SceneFileIn(folder_ / "copy", "busy");
     is_resting = file && file->journal().empty();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
