@@ -75,7 +75,7 @@ class JournalGroups {
 
  private:
   Chain ada_{"ada"}, bob_{"bob"};
-  std::vector<Texts> texts_ = {{}};  // after 0, 1, … groups
+  std::vector<Texts> texts_ = std::vector<Texts>(1);  // after 0, 1, … groups
 };
 
 }  // namespace penumbra::testing
