@@ -32,7 +32,9 @@ DiskImage* DiskOf(sqlite3_file* file) {
 }
 const char* PathOf(sqlite3_file* file) { return reinterpret_cast<File*>(file)->path; }
 
-int Permit(FaultyVfs::Call kind) { return current ? current->Permit(kind) : SQLITE_OK; }
+int Permit(FaultyVfs::Call kind, const char* path) {
+  return current ? current->Permit(kind, path) : SQLITE_OK;
+}
 
 int Close(sqlite3_file* file) { return InnerOf(file)->pMethods->xClose(InnerOf(file)); }
 int Read(sqlite3_file* file, void* out, int size, sqlite3_int64 at) {
@@ -44,16 +46,18 @@ int Write(sqlite3_file* file, const void* data, int size, sqlite3_int64 at) {
     disk->OnWrite(PathOf(file), static_cast<uint64_t>(at),
                   std::string(static_cast<const char*>(data), static_cast<size_t>(size)));
   }
-  if (const int code = Permit(FaultyVfs::Call::kWrite); code != SQLITE_OK) return code;
+  if (const int code = Permit(FaultyVfs::Call::kWrite, PathOf(file)); code != SQLITE_OK)
+    return code;
   return InnerOf(file)->pMethods->xWrite(InnerOf(file), data, size, at);
 }
 int Truncate(sqlite3_file* file, sqlite3_int64 size) {
   if (DiskImage* disk = DiskOf(file)) disk->OnTruncate(PathOf(file), static_cast<uint64_t>(size));
-  if (const int code = Permit(FaultyVfs::Call::kWrite); code != SQLITE_OK) return code;
+  if (const int code = Permit(FaultyVfs::Call::kWrite, PathOf(file)); code != SQLITE_OK)
+    return code;
   return InnerOf(file)->pMethods->xTruncate(InnerOf(file), size);
 }
 int Sync(sqlite3_file* file, int flags) {
-  if (const int code = Permit(FaultyVfs::Call::kSync); code != SQLITE_OK) return code;
+  if (const int code = Permit(FaultyVfs::Call::kSync, PathOf(file)); code != SQLITE_OK) return code;
   DiskImage* disk = DiskOf(file);
   if (!disk) return InnerOf(file)->pMethods->xSync(InnerOf(file), flags);
   disk->OnSync(PathOf(file));
@@ -105,7 +109,7 @@ int Open(sqlite3_vfs*, const char* path, sqlite3_file* file, int flags, int* out
 }
 
 int Delete(sqlite3_vfs*, const char* path, int syncs_folder) {
-  if (const int code = Permit(FaultyVfs::Call::kDelete); code != SQLITE_OK) return code;
+  if (const int code = Permit(FaultyVfs::Call::kDelete, path); code != SQLITE_OK) return code;
   if (current && current->disk()) current->disk()->OnDelete(path, syncs_folder != 0);
   return system_vfs->xDelete(system_vfs, path, syncs_folder);
 }
@@ -131,8 +135,9 @@ FaultyVfs::~FaultyVfs() {
 
 const char* FaultyVfs::name() const { return kName; }
 
-void FaultyVfs::FailAfter(int64_t calls, Call kind, int code) {
+void FaultyVfs::FailAfter(int64_t calls, Call kind, int code, const char* part) {
   code_ = code;
+  part_ = part;
   left_ = calls;
   failures_ = 0;
   kind_ = kind;
@@ -147,10 +152,11 @@ void FaultyVfs::Stall() { is_stalled_ = true; }
 
 int64_t FaultyVfs::failures() const { return failures_; }
 
-int FaultyVfs::Permit(Call kind) {
+int FaultyVfs::Permit(Call kind, const char* path) {
   while (is_stalled_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   const Call failing = kind_;
   if (failing != kind && failing != Call::kAny) return SQLITE_OK;
+  if (std::strstr(path ? path : "", part_) == nullptr) return SQLITE_OK;
   if (--left_ >= 0) return SQLITE_OK;
   ++failures_;
   return code_;

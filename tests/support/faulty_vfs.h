@@ -29,7 +29,8 @@ class FaultyVfs {
 
   // The call of this kind after `calls` more of them fails with `code`, and so do all that follow,
   // until Heal: a disk that is full stays full. A sync that fails `drops` what was to be synced.
-  void FailAfter(int64_t calls, Call kind, int code);
+  // `part`  a literal: calls for files that have it in their path, and no others
+  void FailAfter(int64_t calls, Call kind, int code, const char* part = "");
   void Heal();
   // Calls of the kind since FailAfter that failed.
   int64_t failures() const;
@@ -37,8 +38,8 @@ class FaultyVfs {
   // From here on writes and syncs do not return, until Heal: a disk that has gone to sleep.
   void Stall();
 
-  // Asked by the files. SQLITE_OK, or what to fail with.
-  int Permit(Call kind);
+  // Asked by the files; `path` is null for temporary ones. SQLITE_OK, or what to fail with.
+  int Permit(Call kind, const char* path);
   DiskImage* disk() const { return disk_; }
 
  private:
@@ -46,6 +47,7 @@ class FaultyVfs {
   std::atomic<bool> is_stalled_{false};
   std::atomic<Call> kind_{Call::kNone};
   std::atomic<int> code_{SQLITE_OK};
+  std::atomic<const char*> part_{""};
   std::atomic<int64_t> left_{0};
   std::atomic<int64_t> failures_{0};
 };

@@ -18,8 +18,9 @@
 
 namespace penumbra::testing {
 
-// Welcomes everybody, and then does what it is told to, session by session.
-class HostileServer final : public v1::PenumbraService::Service {
+// Welcomes everybody, and then does what it is told to, session by session. What does more derives
+// from it.
+class HostileServer : public v1::PenumbraService::Service {
  public:
   using Stream = grpc::ServerReaderWriter<v1::SessionResponse, v1::SessionRequest>;
   using Act = std::function<grpc::Status(Stream& stream, int session)>;
@@ -32,7 +33,7 @@ class HostileServer final : public v1::PenumbraService::Service {
     server_ = builder.BuildAndStart();
     address_ = "127.0.0.1:" + std::to_string(port);
   }
-  ~HostileServer() override { server_->Shutdown(std::chrono::system_clock::now()); }
+  ~HostileServer() override { Shutdown(); }
 
   const std::string& address() const { return address_; }
   int sessions() const { return sessions_; }
@@ -50,6 +51,10 @@ class HostileServer final : public v1::PenumbraService::Service {
     stream->Write(welcome);
     return act_(*stream, ++sessions_);
   }
+
+ protected:
+  // Returns once no call goes on. What derives from it has its members until then.
+  void Shutdown() { server_->Shutdown(std::chrono::system_clock::now()); }
 
  private:
   const Act act_;

@@ -1,6 +1,7 @@
 // Scenes that are edited so fast that their commits go to a journal, and what becomes of them.
 
-#include <gmock/gmock.h>
+#include "tests/integration/service/busy_scenes.h"
+
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -11,7 +12,6 @@
 
 #include "proto/convert/scene_convert.h"
 #include "render/scene/field_error.h"
-#include "tests/integration/service/durable_scenes.h"
 #include "tests/support/faulty_vfs.h"
 
 namespace penumbra::testing {
@@ -19,58 +19,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class BusyScenesTest : public DurableScenesTest {
- protected:
-  // A scene that is edited now and then, and one that somebody drags things in.
-  void SetUp() override {
-    Restart();
-    MakeStudio("quiet");
-    MakeStudio("busy");
-    for (int i = 1; i <= 20; ++i) Drag(i);
-    ASSERT_FALSE(fs::is_empty(folder_ / "data/journals"));
-    before_ = client_->FindScene("busy").value();
-    EXPECT_EQ(before_.revision, 21u);
-  }
-  void Drag(int i) {
-    const std::string key = "drag" + std::to_string(i);
-    ASSERT_FALSE(session_->Commit(MoveBox({0, 1, 0.01f * static_cast<float>(i)}), key).has_error());
-  }
-  // The folder as it is at this moment, as a kill leaves it, becomes the server's.
-  void Crash() {
-    fs::remove_all(folder_ / "copy");
-    fs::copy(folder_ / "data", folder_ / "copy", fs::copy_options::recursive);
-    session_.reset();
-    client_.reset();
-    server_.reset();
-    fs::remove_all(folder_ / "data");
-    fs::rename(folder_ / "copy", folder_ / "data");
-  }
-  std::string Journal() { return folder_ / "data/journals/1.db"; }
-  void ExpectAsBefore() {
-    const SceneInfo after = client_->FindScene("busy").value();
-    EXPECT_EQ(after.revision, before_.revision);
-    EXPECT_EQ(after.content_hash, before_.content_hash);
-    EXPECT_EQ(client_->FindScene("quiet")->revision, 1u);
-  }
-  void ExpectRefused() {
-    EXPECT_EQ(logger_.Await("scene_refused", 1)[0]["scene"], "busy");
-    EXPECT_EQ(EndOfSession("busy").code(), absl::StatusCode::kDataLoss);
-    EXPECT_EQ(client_->FindScene("quiet")->revision, 1u) << "nothing of it is in the journal";
-  }
-
-  SceneInfo before_;
-};
-
 TEST_F(BusyScenesTest, D01AreWholeAfterACrash) {
-  Crash();
+  CrashWhileBusy();
   Restart();
   ExpectAsBefore();
   session_ = client_->OpenSession("busy");
-  EXPECT_EQ(session_->Commit(MoveBox({0, 1, 0.2f}), "drag20").revision(), 21u) << "it is known";
-  EXPECT_EQ(session_->Commit(MoveBox({0, 1, 3})).revision(), 22u);
+  EXPECT_EQ(session_->Commit(Place(drags_), KeyOf(drags_)).revision(), before_.revision)
+      << "it is known";
+  EXPECT_EQ(session_->Commit(MoveBox({0, 1, 3})).revision(), before_.revision + 1);
   // Nothing is left to be done a second time.
   Restart();
-  EXPECT_EQ(client_->FindScene("busy")->revision, 22u);
+  EXPECT_EQ(client_->FindScene("busy")->revision, before_.revision + 1);
 }
 
 // Those that come while the disk does not answer go to the journal together.
@@ -80,31 +39,40 @@ TEST_F(BusyScenesTest, D01AreWholeAfterACrashWhenManyOfTheirCommitsWereWrittenTo
   options_.limits.max_commit_delay_ms = 60'000;
   Restart();
   session_ = client_->OpenSession("busy");
-  for (int i = 21; i <= 25; ++i) Drag(i);
-  ASSERT_FALSE(fs::is_empty(folder_ / "data/journals"));
+  DragUntilBusy();
   disk.Stall();
-  for (int i = 26; i <= 45; ++i) {
+  for (int i = 1; i <= 20; ++i) {
     v1::SessionRequest request;
-    const SceneDelta delta = MoveBox({0, 1, 0.01f * static_cast<float>(i)});
-    *request.mutable_commit()->mutable_delta() = ToProto(delta);
+    *request.mutable_commit()->mutable_delta() = ToProto(Place(drags_ + i));
     session_->Send(request);
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // until all of them wait
+  // A request that says nothing is refused once the server has come to it: all the others wait.
+  const size_t refused = logger_.All("refused").size();
+  session_->Send(v1::SessionRequest());
+  EXPECT_EQ(logger_.Await("refused", refused + 1).back()["reason"], "MISSING_FIELD");
   disk.Heal();
-  for (Revision revision = 27; revision <= 46; ++revision) {
+  for (Revision revision = before_.revision + 1; revision <= before_.revision + 20; ++revision) {
     const auto answer = session_->ReadUntil(v1::SessionResponse::kCommitResult);
     EXPECT_EQ(answer ? answer->commit_result().revision() : 0, revision);
   }
   before_ = client_->FindScene("busy").value();
-  Crash();
+  Copy();
+  BecomeCopy();
   options_.storage.database.vfs = nullptr;
   Restart();
   ExpectAsBefore();
 }
 
 TEST_F(BusyScenesTest, AreInTheirOwnFilesOnceTheyRest) {
-  std::this_thread::sleep_for(std::chrono::milliseconds(2'500));
-  Crash();
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  for (bool is_resting = false; !is_resting;) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end) << "its file still names the journal";
+    Copy();
+    const auto file = SceneFileIn(folder_ / "copy", "busy");
+    is_resting = file && file->journal().empty();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  BecomeCopy();
   fs::remove_all(folder_ / "data/journals");
   Restart();
   ExpectAsBefore();
@@ -120,7 +88,7 @@ TEST_F(BusyScenesTest, AreInTheirOwnFilesOnceTheServerEnds) {
 }
 
 TEST_F(BusyScenesTest, D04AreRefusedWithoutTheirJournalAndOthersAreServed) {
-  Crash();
+  CrashWhileBusy();
   fs::rename(Journal(), folder_ / "kept.db");
   fs::rename(Journal() + "-wal", folder_ / "kept.db-wal");
   Restart();
@@ -136,7 +104,7 @@ TEST_F(BusyScenesTest, D04AreRefusedWithoutTheirJournalAndOthersAreServed) {
 }
 
 TEST_F(BusyScenesTest, D04AreRefusedWithADamagedJournalWhichIsLeftAsItIs) {
-  Crash();
+  CrashWhileBusy();
   const std::string log = Journal() + "-wal";
   std::string bytes;
   {

@@ -40,20 +40,6 @@ class LanesTest : public DurableScenesTest {
     *request.mutable_commit()->mutable_delta() = ToProto(delta);
     return request;
   }
-  v1::Welcome Resume(const std::string& incarnation, const v1::CommitResult& known) {
-    WireSession session(client_->stub());
-    v1::SessionRequest request;
-    v1::Hello& hello = *request.mutable_hello();
-    hello.add_protocol_versions(1);
-    hello.set_scene_id("studio");
-    hello.set_mirror_scene(true);
-    hello.mutable_resume()->set_incarnation(incarnation);
-    hello.mutable_resume()->set_revision(known.revision());
-    hello.mutable_resume()->set_content_hash(known.content_hash());
-    session.Send(request);
-    const auto response = session.ReadUntil(v1::SessionResponse::kWelcome);
-    return response ? response->welcome() : v1::Welcome();
-  }
 
   FaultyVfs disk_;
 };
@@ -125,7 +111,10 @@ TEST_F(LanesTest, AResumeWaitsForNoCommit) {
   disk_.Stall();
   for (const auto& other : others) other->Send(Commit(MoveBox({0, 1, 0})));
   std::this_thread::sleep_for(std::chrono::milliseconds(500));  // until no writer is free
-  auto resumed = std::async(std::launch::async, [&] { return Resume(incarnation, known); });
+  auto resumed = std::async(std::launch::async, [&] {
+    return WireSession(client_->stub())
+        .Resume("studio", incarnation, known.revision(), known.content_hash());
+  });
   EXPECT_EQ(resumed.wait_for(kSoon), std::future_status::ready);
   disk_.Heal();
   EXPECT_TRUE(resumed.get().is_resumed());

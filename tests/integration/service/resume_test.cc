@@ -26,17 +26,8 @@ class ResumeTest : public StudioTest {
   };
   Resumed Resume(const std::string& incarnation, Revision revision, const std::string& hash) {
     other_ = std::make_unique<WireSession>(client_->stub());
-    v1::SessionRequest request;
-    v1::Hello& hello = *request.mutable_hello();
-    hello.add_protocol_versions(1);
-    hello.set_scene_id("studio");
-    hello.set_mirror_scene(true);
-    hello.mutable_resume()->set_incarnation(incarnation);
-    hello.mutable_resume()->set_revision(revision);
-    hello.mutable_resume()->set_content_hash(hash);
-    other_->Send(request);
     Resumed resumed;
-    resumed.welcome = other_->ReadUntil(v1::SessionResponse::kWelcome)->welcome();
+    resumed.welcome = other_->Resume("studio", incarnation, revision, hash);
     resumed.first_update = other_->ReadUntil(v1::SessionResponse::kSceneUpdate)->scene_update();
     return resumed;
   }

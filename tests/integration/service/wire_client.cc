@@ -59,14 +59,31 @@ absl::Status WireSession::End() {
   return status;
 }
 
-v1::Welcome WireSession::Hello(const std::string& scene_id, bool mirror_scene) {
+v1::Welcome WireSession::Greet(const v1::Hello& hello) {
   v1::SessionRequest request;
+  *request.mutable_hello() = hello;
   request.mutable_hello()->add_protocol_versions(1);
-  request.mutable_hello()->set_scene_id(scene_id);
-  request.mutable_hello()->set_mirror_scene(mirror_scene);
   Send(request);
   const auto response = ReadUntil(v1::SessionResponse::kWelcome);
   return response ? response->welcome() : v1::Welcome();
+}
+
+v1::Welcome WireSession::Hello(const std::string& scene_id, bool mirror_scene) {
+  v1::Hello hello;
+  hello.set_scene_id(scene_id);
+  hello.set_mirror_scene(mirror_scene);
+  return Greet(hello);
+}
+
+v1::Welcome WireSession::Resume(const std::string& scene_id, const std::string& incarnation,
+                                Revision revision, const std::string& content_hash) {
+  v1::Hello hello;
+  hello.set_scene_id(scene_id);
+  hello.set_mirror_scene(true);
+  hello.mutable_resume()->set_incarnation(incarnation);
+  hello.mutable_resume()->set_revision(revision);
+  hello.mutable_resume()->set_content_hash(content_hash);
+  return Greet(hello);
 }
 
 v1::CommitResult WireSession::Commit(const SceneDelta& delta, const std::string& key) {

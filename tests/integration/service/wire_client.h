@@ -47,6 +47,9 @@ class WireSession {
   void Cancel() { context_.TryCancel(); }
 
   v1::Welcome Hello(const std::string& scene_id, bool mirror_scene = false);
+  // Says hello, mirroring, as one who knows the scene up to a revision.
+  v1::Welcome Resume(const std::string& scene_id, const std::string& incarnation, Revision revision,
+                     const std::string& content_hash);
   v1::CommitResult Commit(const SceneDelta& delta, const std::string& idempotency_key = {});
   v1::CommitResult Commit(const v1::SceneDelta& delta, const std::string& idempotency_key = {});
   absl::Status Subscribe(uint64_t id, const ArtifactSpec& spec, uint32_t credit);
@@ -64,6 +67,7 @@ class WireSession {
   uint64_t update_tiles() const { return update_tiles_; }
 
  private:
+  v1::Welcome Greet(const v1::Hello& hello);
   void Keep(const v1::ArtifactUpdate& message);
 
   struct Reception {

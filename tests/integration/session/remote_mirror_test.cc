@@ -8,13 +8,11 @@
 #include <string>
 #include <thread>
 
-#include "grpcpp/security/server_credentials.h"
-#include "grpcpp/server.h"
-#include "grpcpp/server_builder.h"
 #include "penumbra/v1/service.grpc.pb.h"
 #include "proto/convert/scene_convert.h"
 #include "proto/convert/status_convert.h"
 #include "tests/integration/session/remote_engine_fixture.h"
+#include "tests/support/hostile_server.h"
 
 namespace penumbra::testing {
 namespace {
@@ -64,29 +62,15 @@ TEST_F(RemoteEngineTest, AChangeInPiecesIsAppliedAsOne) {
 }
 
 // Tells of a mesh that nobody can fetch, and goes on.
-class StuckServer final : public v1::PenumbraService::Service {
+class StuckServer final : public HostileServer {
  public:
-  StuckServer() {
-    grpc::ServerBuilder builder;
-    int port = 0;
-    builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
-    builder.RegisterService(this);
-    server_ = builder.BuildAndStart();
-    address_ = "127.0.0.1:" + std::to_string(port);
-  }
-  ~StuckServer() override { server_->Shutdown(std::chrono::system_clock::now()); }
+  StuckServer() : HostileServer([](Stream& stream, int) { return Listen(stream); }) {}
+  ~StuckServer() override { Shutdown(); }
 
-  const std::string& address() const { return address_; }
   bool is_downloading() const { return is_downloading_; }
 
-  grpc::Status GetServerInfo(grpc::ServerContext*, const v1::GetServerInfoRequest*,
-                             v1::GetServerInfoResponse*) override {
-    return grpc::Status::OK;
-  }
-
-  grpc::Status Session(
-      grpc::ServerContext*,
-      grpc::ServerReaderWriter<v1::SessionResponse, v1::SessionRequest>* stream) override {
+  // Of a scene that is not there any more nobody is welcomed.
+  grpc::Status Session(grpc::ServerContext*, Stream* stream) override {
     v1::SessionRequest request;
     while (stream->Read(&request)) {
       if (request.has_hello()) {
@@ -124,8 +108,6 @@ class StuckServer final : public v1::PenumbraService::Service {
   }
 
  private:
-  using Stream = grpc::ServerReaderWriter<v1::SessionResponse, v1::SessionRequest>;
-
   static void Welcome(Stream& stream) {
     v1::SessionResponse welcome;
     welcome.mutable_welcome()->set_protocol_version(1);
@@ -165,8 +147,6 @@ class StuckServer final : public v1::PenumbraService::Service {
     stream.Write(response);
   }
 
-  std::unique_ptr<grpc::Server> server_;
-  std::string address_;
   std::atomic<bool> is_downloading_{false};
   std::atomic<bool> is_deleted_{false};
 };
