@@ -18,8 +18,9 @@
 
 namespace penumbra::testing {
 
-// Welcomes everybody, and then does what it is told to, session by session.
-class HostileServer final : public v1::PenumbraService::Service {
+// Welcomes everybody, and then does what it is told to, session by session. Other calls are for those
+// to answer who derive from it.
+class HostileServer : public v1::PenumbraService::Service {
  public:
   using Stream = grpc::ServerReaderWriter<v1::SessionResponse, v1::SessionRequest>;
   using Act = std::function<grpc::Status(Stream& stream, int session)>;
