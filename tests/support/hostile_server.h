@@ -18,8 +18,8 @@
 
 namespace penumbra::testing {
 
-// Welcomes everybody, and then does what it is told to, session by session. Other calls are for those
-// to answer who derive from it.
+// Welcomes everybody, and then does what it is told to, session by session. Who derives from it may
+// answer other calls.
 class HostileServer : public v1::PenumbraService::Service {
  public:
   using Stream = grpc::ServerReaderWriter<v1::SessionResponse, v1::SessionRequest>;
