@@ -1,5 +1,6 @@
 #include "client/import/gltf/import_gltf.h"
 
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -179,11 +180,14 @@ void SceneReader::AddLight(const std::string& name, LightShape shape) {
 void SceneReader::ReadCamera(const PlacedNode& placed) {
   const int index = document_.model().nodes[placed.node].camera;
   const tinygltf::Camera& camera = document_.model().cameras[index];
-  const DVec3 back(placed.world_from_node[2]);
-  DVec3 up(placed.world_from_node[1]);
-  up -= glm::dot(up, back) / glm::dot(back, back) * back;
+  const DVec3 back(placed.world_from_node[2]), y(placed.world_from_node[1]);
+  const DVec3 up = y - glm::dot(y, back) / glm::dot(back, back) * back;
+  // What is left of an axis that runs along the other is rounding, in any direction.
+  constexpr double kLeastAngle = 1e-9;
+  const bool has_frame = std::isnormal(glm::dot(back, back)) && std::isnormal(glm::dot(up, up)) &&
+                         glm::length(up) > kLeastAngle * glm::length(y);
   const double fov = camera.perspective.yfov;
-  if (camera.type != "perspective" || !(fov > 0.0 && fov < 3.14) || !(glm::length(up) > 0.0)) {
+  if (camera.type != "perspective" || !(fov > 0.0 && fov < 3.14) || !has_frame) {
     warnings_.Add(absl::StrCat("cameras[", index, "]: not a usable perspective, ignored"));
     return;
   }

@@ -31,4 +31,10 @@ inline void RequireRefusal(const absl::Status& status) {
   Require(status.message().size() < 4'096, "a refusal in fewer words");
 }
 
+// Likewise, and whether it names the field.
+inline void RequireNamedRefusal(const absl::Status& status) {
+  RequireRefusal(status);
+  Require(!ErrorFieldPath(status).empty(), "a refusal names the field: " + status.ToString());
+}
+
 }  // namespace penumbra::fuzzing

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "tests/fuzz/kit/put_word.h"
 #include "tests/fuzz/kit/require.h"
 #include "tests/fuzz/kit/target.h"
 #include "tests/fuzz/targets/small_studio.h"
@@ -23,10 +24,6 @@ enum Kind : uint8_t { kWhole, kMeshOf, kMaskOf, kKinds };
 
 std::string TextOf(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-void PutWord(uint32_t word, std::string& out) {
-  out.append(reinterpret_cast<const char*>(&word), sizeof(word));
 }
 
 // A mesh of which the header is right: payload V, T, flags, and numbers and indices as they come.

@@ -2,8 +2,6 @@
 // applied is whole, within the limits, hashed as it is, and can be told to others.
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <string>
 #include <utility>
 
@@ -12,23 +10,14 @@
 #include "render/scene/blob.h"
 #include "render/scene/scene.h"
 #include "render/scene/scene_difference.h"
-#include "render/scene/scene_hash.h"
 #include "tests/fuzz/kit/require.h"
 #include "tests/fuzz/kit/target.h"
+#include "tests/fuzz/targets/scene_rules.h"
 #include "tests/fuzz/targets/small_studio.h"
 #include "tests/support/shapes.h"
 
 namespace penumbra::fuzzing {
 namespace {
-
-// The hash anew, from the objects alone.
-ContentHash HashAnew(const Scene& scene) {
-  ContentHash hash;
-  for (const auto& [id, instance] : scene.instances()) hash = Combine(hash, HashOf(*instance));
-  for (const auto& [id, light] : scene.lights()) hash = Combine(hash, HashOf(*light));
-  for (const auto& [id, receiver] : scene.receivers()) hash = Combine(hash, HashOf(*receiver));
-  return hash;
-}
 
 SceneDelta Reversed(SceneDelta delta) {
   std::ranges::reverse(delta.upsert_instances);
@@ -38,13 +27,6 @@ SceneDelta Reversed(SceneDelta delta) {
   std::ranges::reverse(delta.remove_lights);
   std::ranges::reverse(delta.remove_receivers);
   return delta;
-}
-
-bool IsWithin(Vec3 v, float most) {
-  for (int c = 0; c < 3; ++c) {
-    if (!(std::abs(v[c]) <= most)) return false;
-  }
-  return true;
 }
 
 class SceneDeltas final : public Target {
@@ -60,7 +42,6 @@ class SceneDeltas final : public Target {
   void CheckApplied(const Scene& before, const SceneDelta& delta, const Scene& after,
                     const KnownBlobs& blobs) const;
   void CheckTold(const Scene& from, const Scene& to, const KnownBlobs& blobs) const;
-  void CheckContent(const Scene& scene) const;
 
   const SceneLimits limits_ = SmallLimits();
   const StepKind kinds_[2] = {{"delta", &v1::SceneDelta::default_instance()}, {"blob"}};
@@ -93,8 +74,7 @@ SceneDeltas::Snapshot SceneDeltas::Try(const Snapshot& before, const v1::SceneDe
   Count(after.ok());
   Require(before->content_hash() == hash && HashAnew(*before) == hash, "a snapshot stays as it is");
   if (!after.ok()) {
-    RequireRefusal(after.status());
-    Require(!ErrorFieldPath(after.status()).empty(), "a refusal names the field");
+    RequireNamedRefusal(after.status());
     return before;
   }
   CheckApplied(*before, *delta, **after, blobs);
@@ -104,7 +84,6 @@ SceneDeltas::Snapshot SceneDeltas::Try(const Snapshot& before, const v1::SceneDe
 void SceneDeltas::CheckApplied(const Scene& before, const SceneDelta& delta, const Scene& after,
                                const KnownBlobs& blobs) const {
   Require(after.revision() == before.revision() + 1, "a commit makes the next revision");
-  Require(HashAnew(after) == after.content_hash(), "the hash is that of the content");
   const auto reversed = before.Apply(Reversed(delta), limits_);
   Require(reversed.ok() && (*reversed)->content_hash() == after.content_hash(),
           "the order within a delta means nothing");
@@ -115,7 +94,7 @@ void SceneDeltas::CheckApplied(const Scene& before, const SceneDelta& delta, con
   CheckTold(before, after, blobs);
   CheckTold(after, before, blobs);
   CheckTold(*Scene::Empty("studio"), after, blobs);
-  CheckContent(after);
+  RequireRules(after, limits_);
 }
 
 // A mirror that is told the difference, in pieces, has the same scene.
@@ -134,34 +113,6 @@ void SceneDeltas::CheckTold(const Scene& from, const Scene& to, const KnownBlobs
   const auto mirror = from.Apply(*delta, limits_);
   Require(mirror.ok(), "a difference applies: " + mirror.status().ToString());
   Require((*mirror)->content_hash() == to.content_hash(), "a mirror has the same scene");
-}
-
-void SceneDeltas::CheckContent(const Scene& scene) const {
-  Require(scene.instances().size() <= limits_.max_instances &&
-              scene.lights().size() <= limits_.max_lights &&
-              scene.receivers().size() <= limits_.max_receivers,
-          "a scene keeps to its limits");
-  uint64_t triangles = 0;
-  for (const auto& [id, instance] : scene.instances()) {
-    Require(CheckId(id, "id").ok() && id == instance->id, "ids are ids");
-    for (int column = 0; column < 4; ++column) {
-      Require(IsWithin(instance->world_from_mesh[column], limits_.max_coordinate),
-              "maps are of numbers within the limits");
-    }
-    triangles += instance->mesh->triangle_count();
-  }
-  Require(triangles <= limits_.max_triangles_per_scene, "triangles keep to their limit");
-  for (const auto& [id, receiver] : scene.receivers()) {
-    const auto patch = scene.ResolveReceiver(id);
-    Require(patch.ok(), "a receiver has a place: " + patch.status().ToString());
-    Require(patch->width > 0 && patch->height > 0 && patch->width <= limits_.max_receiver_side &&
-                patch->height <= limits_.max_receiver_side,
-            "a receiver has texels, and not too many");
-    Require(IsFinite(patch->patch.origin) && IsFinite(patch->patch.normal()),
-            "a receiver's place is of numbers");
-  }
-  scene.casters();
-  scene.Bounds();
 }
 
 v1::SceneDelta Removals() {

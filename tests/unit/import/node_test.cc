@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "tests/unit/import/gltf_file.h"
 #include "tests/unit/import/temp_folder.h"
@@ -110,6 +111,20 @@ TEST(Nodes, CamerasLookAlongMinusZ) {
   ExpectNear(scene->cameras[0].position, {1, 2, 3});
   ExpectNear(scene->cameras[0].forward, {-1, 0, 0});
   ExpectNear(scene->cameras[0].up, {0, 1, 0});
+}
+
+TEST(Nodes, CamerasWithoutAnUprightAreLeftOut) {
+  for (const char* node :
+       {R"({"camera": 0, "scale": [1, 0, 1]})", R"({"camera": 0, "scale": [1, 1, 1e-170]})",
+        R"({"camera": 0, "matrix": [1,0,0,0, 0.07,0.14,0.21,0, 0.1,0.2,0.3,0, 0,0,0,1]})"}) {
+    GltfFile file = WithNodes(("[" + std::string(node) + "]").c_str());
+    file.document["cameras"] =
+        json::parse(R"([{"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1}}])");
+    const auto scene = file.Import();
+    ASSERT_TRUE(scene.ok()) << scene.status();
+    EXPECT_TRUE(scene->cameras.empty()) << node;
+    EXPECT_THAT(scene->warnings, testing::Contains(HasSubstr("not a usable perspective"))) << node;
+  }
 }
 
 TEST(Nodes, TextAndGlbAreTheSame) {
