@@ -1,5 +1,6 @@
 // What a storage finds when a server starts: scenes' files, and journals with their newest commits.
 
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -48,7 +49,8 @@ std::vector<RestoredScene> SceneStorage::Restore(BlobStore& blobs, const SceneLi
   for (const auto& [scene_id, known] : without_file) {
     restored.push_back({.scene_id = scene_id,
                         .status = Damaged(absl::StrCat("no file, where revision ", known.revision,
-                                                       " was on disk"))});
+                                                       " was on disk")),
+                        .need = {.named = std::string(), .incarnation = known.incarnation}});
   }
   for (const RestoredScene& scene : restored) {
     if (scene.status.ok()) {
@@ -63,50 +65,50 @@ std::vector<RestoredScene> SceneStorage::Restore(BlobStore& blobs, const SceneLi
   return restored;
 }
 
-SceneStorage::FoundJournals SceneStorage::ReadJournals() {
-  FoundJournals found;
+FoundJournals SceneStorage::ReadJournals() {
   const auto numbers = directory_->Journals();
   if (!numbers.ok()) {
     logger_.Error("journals_unreadable", {{"error", std::string(numbers.status().message())}});
-    return found;
+    return {};
   }
-  found.numbers = *numbers;
-  for (const uint64_t number : *numbers) {
-    auto journal = ReadJournal(directory_->JournalPath(number), options_.database);
-    if (journal.ok()) {
-      std::string id = journal->id;
-      found.sound.emplace(std::move(id), *std::move(journal));
-    } else {
-      // Scenes whose files name it are refused.
-      logger_.Error("journal_damaged",
-                    {{"journal", number}, {"error", std::string(journal.status().message())}});
-    }
+  FoundJournals found = FoundJournals::Read(*directory_, *numbers, options_.database);
+  for (const FoundJournals::Journal& journal : found.all()) {
+    if (journal.status.ok()) continue;
+    // Scenes whose files name it are refused.
+    logger_.Error("journal_damaged",
+                  {{"journal", journal.number}, {"error", std::string(journal.status.message())}});
   }
   return found;
 }
 
-// What was in journals is in the scenes' own files now.
+// What was in journals is in the scenes' own files now, but for scenes that are refused.
 void SceneStorage::RemoveJournals(const FoundJournals& journals,
                                   const std::vector<RestoredScene>& restored) {
+  std::set<uint64_t> needed;
   for (const RestoredScene& scene : restored) {
-    if (scene.may_need_journal) return;
+    if (scene.status.ok()) continue;
+    const auto by_scene = journals.NeededBy(scene.need);
+    needed.insert(by_scene.begin(), by_scene.end());
   }
-  for (const uint64_t number : journals.numbers) directory_->RemoveJournal(number).IgnoreError();
+  for (const FoundJournals::Journal& journal : journals.all()) {
+    if (!needed.contains(journal.number)) directory_->RemoveJournal(journal.number).IgnoreError();
+  }
 }
 
 RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t number,
                                          const FoundJournals& journals, BlobStore& blobs,
                                          const SceneLimits& limits) {
-  RestoredScene restored{.scene_id = scene_id, .may_need_journal = true};
+  const std::string path = directory_->ScenePath(scene_id, number);
+  auto file = SceneFile::Open(path, options_.database);
+  RestoredScene restored{.scene_id = scene_id,
+                         .need = NeedOf(scene_id, path, file.ok() ? file->get() : nullptr)};
   const auto refuse = [&](absl::Status status) {
     restored.status = std::move(status);
     return std::move(restored);
   };
-  auto file = SceneFile::Open(directory_->ScenePath(scene_id, number), options_.database);
   if (!file.ok()) return refuse(file.status());
-  restored.may_need_journal = !(*file)->journal().empty();
   if ((*file)->identity().scene_id != scene_id) return refuse(Damaged("another scene's file"));
-  auto newer = NewerCommits(**file, journals);
+  auto newer = journals.NewerThan(**file);
   if (!newer.ok()) return refuse(newer.status());
   const Revision newest = newer->empty() ? (*file)->head().revision : newer->back().revision;
   if (auto status = CheckAgainstHeads((*file)->identity(), newest); !status.ok()) {
@@ -122,7 +124,6 @@ RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t n
   auto scene = SceneOf(scene_id, *state, LoadedBlobs(blobs), limits);
   if (!scene.ok()) return refuse(scene.status());
   if (auto status = MakeLast(**file, *newer); !status.ok()) return refuse(status);
-  restored.may_need_journal = false;
   auto answers = (*file)->Answers(options_.history);
   if (!answers.ok()) return refuse(answers.status());
   // Older ones are what is left of a time when writing failed.
@@ -133,33 +134,29 @@ RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t n
   return restored;
 }
 
+// `file`  null: what is at `path` cannot be opened
+JournalNeed SceneStorage::NeedOf(const std::string& scene_id, const std::string& path,
+                                 const SceneFile* file) const {
+  JournalNeed need;
+  if (const auto known = heads_.find(scene_id); known != heads_.end()) {
+    need.incarnation = known->second.incarnation;
+  }
+  if (file) {
+    need.named = file->journal();
+    need.head = file->head().revision;
+    return need;
+  }
+  auto named = SceneFile::NamedJournal(path, options_.database);
+  if (named.ok()) need.named = *std::move(named);
+  // What cannot be read now may be sound, and name any journal.
+  if (!named.ok() && !absl::IsDataLoss(named.status())) need.incarnation.clear();
+  return need;
+}
+
 // What has been read may be in the system's memory only; from here on others build on it.
 absl::Status SceneStorage::MakeLast(SceneFile& file, const std::vector<CommitRecord>& newer) {
   if (auto status = file.Settle(); !status.ok()) return status;
   return file.journal().empty() ? absl::OkStatus() : file.Append(newer);
-}
-
-// What the journal that the file names has of the scene after the file's head.
-absl::StatusOr<std::vector<CommitRecord>> SceneStorage::NewerCommits(
-    const SceneFile& file, const FoundJournals& journals) const {
-  std::vector<CommitRecord> newer;
-  if (file.journal().empty()) return newer;
-  const auto journal = journals.sound.find(file.journal());
-  if (journal == journals.sound.end()) {
-    return Damaged("commits in a journal that is damaged or gone");
-  }
-  const auto commits = journal->second.commits.find(file.identity().incarnation);
-  if (commits == journal->second.commits.end()) return newer;
-  SceneHead head = file.head();
-  for (const auto& [commit, link] : commits->second) {
-    if (commit.revision <= head.revision) continue;
-    if (commit.revision != head.revision + 1 || link.previous != head.chain) {
-      return Damaged("a journal with commits of another history");
-    }
-    head = {.revision = commit.revision, .chain = link.chain};
-    newer.push_back(commit);
-  }
-  return newer;
 }
 
 absl::Status SceneStorage::CheckAgainstHeads(const SceneIdentity& identity,

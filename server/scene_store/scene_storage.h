@@ -19,6 +19,7 @@
 #include "server/fair_lane.h"
 #include "server/log/logger.h"
 #include "server/scene_store/blob_store.h"
+#include "server/scene_store/found_journals.h"
 #include "server/scene_store/imported_file.h"
 #include "server/scene_store/scene_log.h"
 #include "server/scene_store/shared_journal.h"
@@ -31,8 +32,8 @@ namespace penumbra {
 // A scene that a server finds when it starts.
 struct RestoredScene {
   std::string scene_id;
-  absl::Status status;            // why it cannot be served; then there is none of the rest
-  bool may_need_journal = false;  // one of those that are there, if it can be served some day
+  absl::Status status;  // why it cannot be served; then there is the next, and none of the rest
+  JournalNeed need;
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<SceneLog> log;
   std::vector<CommitRecord> answers;  // commits with a key, oldest first
@@ -84,17 +85,13 @@ class SceneStorage {
  private:
   SceneStorage(std::unique_ptr<DataDirectory> directory, const SceneLogOptions& options,
                Logger& logger);
-  struct FoundJournals {
-    std::map<std::string, FoundJournal> sound;  // by id
-    std::vector<uint64_t> numbers;              // of all
-  };
   FoundJournals ReadJournals();
   void RemoveJournals(const FoundJournals& journals, const std::vector<RestoredScene>& restored);
   RestoredScene RestoreScene(const std::string& scene_id, uint64_t number,
                              const FoundJournals& journals, BlobStore& blobs,
                              const SceneLimits& limits);
-  absl::StatusOr<std::vector<CommitRecord>> NewerCommits(const SceneFile& file,
-                                                         const FoundJournals& journals) const;
+  JournalNeed NeedOf(const std::string& scene_id, const std::string& path,
+                     const SceneFile* file) const;
   static absl::Status MakeLast(SceneFile& file, const std::vector<CommitRecord>& newer);
   absl::Status CheckAgainstHeads(const SceneIdentity& identity, Revision revision) const;
   std::shared_ptr<SceneLog> Log(std::unique_ptr<SceneFile> file);

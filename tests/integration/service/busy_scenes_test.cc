@@ -45,6 +45,17 @@ class BusyScenesTest : public DurableScenesTest {
     fs::remove_all(folder_ / "data");
     fs::rename(folder_ / "copy", folder_ / "data");
   }
+  // Changes a bit; what the file is then.
+  static std::string Damage(const std::string& path) {
+    std::string bytes = BytesOf(path);
+    bytes[bytes.size() / 3] ^= 1;
+    std::ofstream(path, std::ios::binary) << bytes;
+    return bytes;
+  }
+  static std::string BytesOf(const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return {(std::istreambuf_iterator<char>(stream)), {}};
+  }
   std::string Journal() { return folder_ / "data/journals/1.db"; }
   void ExpectAsBefore() {
     const SceneInfo after = client_->FindScene("busy").value();
@@ -56,6 +67,27 @@ class BusyScenesTest : public DurableScenesTest {
     EXPECT_EQ(logger_.Await("scene_refused", 1)[0]["scene"], "busy");
     EXPECT_EQ(EndOfSession("busy").code(), absl::StatusCode::kDataLoss);
     EXPECT_EQ(client_->FindScene("quiet")->revision, 1u) << "nothing of it is in the journal";
+  }
+  // While the busy scene is refused another one comes to have a journal, and is whole again.
+  void ExpectOnlyItsJournalIsKept(const std::string& damaged) {
+    Crash();
+    const std::string whole = BytesOf(damaged);
+    Damage(damaged);
+    Restart();
+    ExpectRefused();
+    MakeStudio("other");
+    for (int i = 1; i <= 20; ++i) Drag(i);
+    ASSERT_TRUE(fs::exists(folder_ / "data/journals/2.db"));
+    Crash();
+    Restart();
+    EXPECT_EQ(client_->FindScene("other")->revision, 21u);
+    EXPECT_FALSE(fs::exists(folder_ / "data/journals/2.db"));
+    EXPECT_FALSE(fs::exists(folder_ / "data/journals/2.db-wal"));
+    // Nothing has gone that the scene needs once it can be read.
+    Crash();
+    std::ofstream(damaged, std::ios::binary) << whole;
+    Restart();
+    ExpectAsBefore();
   }
 
   SceneInfo before_;
@@ -138,13 +170,7 @@ TEST_F(BusyScenesTest, D04AreRefusedWithoutTheirJournalAndOthersAreServed) {
 TEST_F(BusyScenesTest, D04AreRefusedWithADamagedJournalWhichIsLeftAsItIs) {
   Crash();
   const std::string log = Journal() + "-wal";
-  std::string bytes;
-  {
-    std::ifstream stream(log, std::ios::binary);
-    bytes.assign((std::istreambuf_iterator<char>(stream)), {});
-  }
-  bytes[bytes.size() / 3] ^= 1;
-  std::ofstream(log, std::ios::binary) << bytes;
+  const std::string bytes = Damage(log);
   for (int i = 1; i <= 2; ++i) {
     Restart();
     EXPECT_EQ(logger_.Await("journal_damaged", static_cast<size_t>(i)).size(),
@@ -155,8 +181,15 @@ TEST_F(BusyScenesTest, D04AreRefusedWithADamagedJournalWhichIsLeftAsItIs) {
       EXPECT_FALSE(session_->Commit(MoveBox({0, 1, 0.1f * static_cast<float>(j)})).has_error());
     }
   }
-  std::ifstream stream(log, std::ios::binary);
-  EXPECT_EQ(std::string((std::istreambuf_iterator<char>(stream)), {}), bytes);
+  EXPECT_EQ(BytesOf(log), bytes);
+}
+
+TEST_F(BusyScenesTest, D04ASceneWithADamagedJournalKeepsThatOneAndNoOther) {
+  ExpectOnlyItsJournalIsKept(Journal() + "-wal");
+}
+
+TEST_F(BusyScenesTest, D04ASceneWithADamagedFileKeepsItsJournalAndNoOther) {
+  ExpectOnlyItsJournalIsKept(SceneFileOf("busy") + "-wal");
 }
 
 }  // namespace
