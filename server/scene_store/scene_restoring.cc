@@ -67,18 +67,9 @@ std::vector<RestoredScene> SceneStorage::Restore(BlobStore& blobs, const SceneLi
 
 FoundJournals SceneStorage::ReadJournals() {
   const auto numbers = directory_->Journals();
-  if (!numbers.ok()) {
-    logger_.Error("journals_unreadable", {{"error", std::string(numbers.status().message())}});
-    return {};
-  }
-  FoundJournals found = FoundJournals::Read(*directory_, *numbers, options_.database);
-  for (const FoundJournals::Journal& journal : found.all()) {
-    if (journal.status.ok()) continue;
-    // Scenes whose files name it are refused.
-    logger_.Error("journal_damaged",
-                  {{"journal", journal.number}, {"error", std::string(journal.status.message())}});
-  }
-  return found;
+  if (numbers.ok()) return FoundJournals::Read(*directory_, *numbers, options_.database);
+  logger_.Error("journals_unreadable", {{"error", std::string(numbers.status().message())}});
+  return {};
 }
 
 // What was in journals is in the scenes' own files now, but for scenes that are refused.
@@ -91,7 +82,18 @@ void SceneStorage::RemoveJournals(const FoundJournals& journals,
     needed.insert(by_scene.begin(), by_scene.end());
   }
   for (const FoundJournals::Journal& journal : journals.all()) {
-    if (!needed.contains(journal.number)) directory_->RemoveJournal(journal.number).IgnoreError();
+    const std::string error(journal.status.message());
+    if (needed.contains(journal.number)) {
+      if (!error.empty()) {
+        logger_.Error("journal_damaged", {{"journal", journal.number}, {"error", error}});
+      }
+      continue;
+    }
+    // A crash while a journal ends may leave it without its log, or with one that is cleared.
+    if (!error.empty()) {
+      logger_.Info("unused_journal_removed", {{"journal", journal.number}, {"error", error}});
+    }
+    directory_->RemoveJournal(journal.number).IgnoreError();
   }
 }
 

@@ -188,6 +188,19 @@ TEST_F(BusyScenesTest, D04ASceneWithADamagedJournalKeepsThatOneAndNoOther) {
   ExpectOnlyItsJournalIsKept(Journal() + "-wal");
 }
 
+TEST_F(BusyScenesTest, ADamagedJournalThatNoSceneNeedsIsNoDamage) {
+  Crash();
+  const std::string unused = folder_ / "data/journals/7.db";
+  std::ofstream(unused, std::ios::binary) << "no journal";
+  Restart();
+  ExpectAsBefore();
+  const auto removed = logger_.Await("unused_journal_removed", 1)[0];
+  EXPECT_EQ(removed["journal"], 7);
+  EXPECT_EQ(removed["level"], "info");
+  EXPECT_TRUE(logger_.All("journal_damaged").empty());
+  EXPECT_FALSE(fs::exists(unused));
+}
+
 TEST_F(BusyScenesTest, D04ASceneWithADamagedFileKeepsItsJournalAndNoOther) {
   ExpectOnlyItsJournalIsKept(SceneFileOf("busy") + "-wal");
 }
