@@ -38,6 +38,12 @@ FoundJournals FoundJournals::Read(const DataDirectory& directory, std::span<cons
   return found;
 }
 
+FoundJournals FoundJournals::Unknown(absl::Status why) {
+  FoundJournals unknown;
+  unknown.unknown_ = std::move(why);
+  return unknown;
+}
+
 const FoundJournals::Journal* FoundJournals::Find(const std::string& id) const {
   const auto found = std::find_if(journals_.begin(), journals_.end(),
                                   [&](const Journal& journal) { return journal.id == id; });
@@ -48,9 +54,7 @@ absl::StatusOr<std::vector<CommitRecord>> FoundJournals::NewerThan(const SceneFi
   std::vector<CommitRecord> newer;
   if (file.journal().empty()) return newer;
   const Journal* const journal = Find(file.journal());
-  if (!journal || !journal->status.ok()) {
-    return Damaged("commits in a journal that is damaged or gone");
-  }
+  if (!journal || !journal->status.ok()) return WhyMissing(journal);
   const auto commits = journal->commits.find(file.identity().incarnation);
   if (commits == journal->commits.end()) return newer;
   SceneHead head = file.head();
@@ -63,6 +67,15 @@ absl::StatusOr<std::vector<CommitRecord>> FoundJournals::NewerThan(const SceneFi
     newer.push_back(commit);
   }
   return newer;
+}
+
+absl::Status FoundJournals::WhyMissing(const Journal* journal) const {
+  if (!unknown_.ok()) return unknown_;
+  for (const Journal& other : journals_) {
+    const bool may_be_it = journal ? &other == journal : other.id.empty();
+    if (may_be_it && !other.status.ok() && !absl::IsDataLoss(other.status)) return other.status;
+  }
+  return Damaged("commits in a journal that is damaged or gone");
 }
 
 std::vector<uint64_t> FoundJournals::NeededBy(const JournalNeed& scene) const {

@@ -41,10 +41,15 @@ class FoundJournals {
   static FoundJournals Read(const DataDirectory& directory, std::span<const uint64_t> numbers,
                             const DatabaseOptions& options);
 
+  // Nobody knows which there are.
+  static FoundJournals Unknown(absl::Status why);
+
+  bool are_known() const { return unknown_.ok(); }
   const std::vector<Journal>& all() const { return journals_; }
 
   // What the journal that the file names has of the scene after the file's head.
-  // Errors  kDataLoss DAMAGED: that journal is damaged or gone, or has another history
+  // Errors  kDataLoss DAMAGED: that journal is damaged or gone, or has another history; why it, or
+  //         what may be it, could not be read, which tells of no damage
   absl::StatusOr<std::vector<CommitRecord>> NewerThan(const SceneFile& file) const;
 
   // The numbers of those in which there may be commits of the scene that are nowhere else.
@@ -52,7 +57,9 @@ class FoundJournals {
 
  private:
   const Journal* Find(const std::string& id) const;
+  absl::Status WhyMissing(const Journal* journal) const;
 
+  absl::Status unknown_;  // why nobody knows which there are
   std::vector<Journal> journals_;
 };
 

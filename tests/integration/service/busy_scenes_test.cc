@@ -68,6 +68,13 @@ class BusyScenesTest : public DurableScenesTest {
     EXPECT_EQ(EndOfSession("busy").code(), absl::StatusCode::kDataLoss);
     EXPECT_EQ(client_->FindScene("quiet")->revision, 1u) << "nothing of it is in the journal";
   }
+  // On a disk without room, which is looked at again every second.
+  void RestartOn(FaultyVfs& disk) {
+    options_.storage.database.vfs = disk.name();
+    options_.storage.house_interval = std::chrono::seconds(1);
+    disk.FailAfter(0, FaultyVfs::Call::kWrite, SQLITE_FULL);
+    Restart();
+  }
   // While the busy scene is refused another one comes to have a journal, and is whole again.
   void ExpectOnlyItsJournalIsKept(const std::string& damaged) {
     Crash();
@@ -186,6 +193,52 @@ TEST_F(BusyScenesTest, D04AreRefusedWithADamagedJournalWhichIsLeftAsItIs) {
 
 TEST_F(BusyScenesTest, D04ASceneWithADamagedJournalKeepsThatOneAndNoOther) {
   ExpectOnlyItsJournalIsKept(Journal() + "-wal");
+}
+
+TEST_F(BusyScenesTest, D05AFullDiskAtTheStartIsNoDamageAndTheyAreBackWhenThereIsRoom) {
+  FaultyVfs disk;
+  Crash();
+  RestartOn(disk);
+  EXPECT_EQ(logger_.Await("scene_unavailable", 2)[0]["scene"], "busy");
+  EXPECT_TRUE(logger_.All("scene_refused").empty());
+  const absl::Status refused = EndOfSession("busy");
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ErrorReason(refused), "DISK_FULL");
+  EXPECT_THAT(refused.message(), ::testing::HasSubstr("which cannot be read for now"));
+  EXPECT_EQ(client_->CreateScene("busy").code(), absl::StatusCode::kAlreadyExists);
+  disk.Heal();
+  logger_.Await("scene_is_back", 2);
+  ExpectAsBefore();
+  session_ = client_->OpenSession("busy");
+  EXPECT_EQ(session_->Commit(MoveBox({0, 1, 3})).revision(), 22u);
+  options_.storage.database.vfs = nullptr;
+  Restart();
+  EXPECT_EQ(client_->FindScene("busy")->revision, 22u);
+  EXPECT_FALSE(fs::exists(Journal()));
+}
+
+TEST_F(BusyScenesTest, D05WhatIsDeletedWhileTheDiskIsFullIsPutAsideWithItsJournal) {
+  FaultyVfs disk;
+  Crash();
+  RestartOn(disk);
+  EXPECT_EQ(client_->DeleteScene("busy"), absl::OkStatus());
+  EXPECT_EQ(logger_.Await("scene_put_aside", 1)[0]["journals"], 1);
+  options_.storage.database.vfs = nullptr;
+  Restart();
+  EXPECT_EQ(client_->FindScene("busy").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_FALSE(fs::exists(Journal()));
+  // As operations.md says.
+  Crash();
+  for (const auto& file : fs::directory_iterator(folder_ / "data/removed")) {
+    const std::string name = file.path().filename().string();
+    const size_t tilde = name.find('~'), journal = name.find("journal-");
+    const std::string back = journal == std::string::npos
+                                 ? "data/scenes/busy" + name.substr(tilde)
+                                 : "data/journals/" + name.substr(journal + 8);
+    fs::copy_file(file.path(), folder_ / back);
+  }
+  Restart();
+  ExpectAsBefore();
 }
 
 TEST_F(BusyScenesTest, ADamagedJournalThatNoSceneNeedsIsNoDamage) {
