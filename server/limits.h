@@ -76,7 +76,7 @@ struct ServerLimits {
   // waited longer than this for the disk, others are refused at once: they would wait even longer.
   uint32_t max_commit_delay_ms = 250;
   // While requests wait longer than this until they are read, commits are refused, and some of them
-  // from a third of it on: whoever is refused is to hear of it soon.
+  // from a tenth of it on: whoever is refused is to hear of it soon.
   uint32_t max_read_delay_ms = 10;
   // What is kept of a scene's past besides its newest snapshot.
   uint64_t max_history_bytes = uint64_t{256} << 20;

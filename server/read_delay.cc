@@ -21,16 +21,16 @@
 namespace penumbra {
 namespace {
 
-// A message takes about a tenth of what a commit does. Requests that come more slowly than these are
-// not what keeps the processor busy.
+// A message takes about a tenth of what a commit does. Requests that come more slowly than these
+// are not what keeps the processor busy.
 constexpr uint64_t kRequestsForOne = 8;
 constexpr std::chrono::milliseconds kMostForThem{20};
 // Between messages.
 constexpr std::chrono::milliseconds kInterval{5};
 // What is older says nothing about now.
 constexpr std::chrono::milliseconds kMemory{250};
-// A message that takes longer is late. One may be: a thread had to wait for its turn on a processor,
-// which does not take kTurn.
+// A message that takes longer is late. One may be: a thread had to wait for its turn on a
+// processor, which does not take kTurn.
 constexpr std::chrono::milliseconds kLate{6};
 constexpr std::chrono::milliseconds kTurn{12};
 // After two late ones in a row, for so long one is enough.

@@ -30,8 +30,8 @@ class ReadDelay {
   // evenly.
   double OnRequest();
 
-  // What the last two messages have both taken: one can be late by chance. What one is taking counts
-  // as it goes on. None where none was sent of late.
+  // What the last message took, or the one under way is taking, for a second after two in a row or
+  // one by much were late: one can be late by chance. Otherwise none.
   Clock::duration Now() const;
 
  private:
@@ -39,7 +39,7 @@ class ReadDelay {
 
   std::atomic<uint64_t> requests_{0};
   std::atomic<Clock::time_point> eighth_{};  // when the last came that asked for a message
-  std::unique_ptr<Loop> loop_;  // null: there is no socket
+  std::unique_ptr<Loop> loop_;               // null: there is no socket
 };
 
 }  // namespace penumbra

@@ -59,7 +59,7 @@ void PrintTable(const Json& rows, std::ostream& out) {
   for (const Json& row : rows) {
     out << CellText(TextAt(row, "id"), kNameColumns);
     if (row.contains("damage")) {
-      out << " damaged: " << CellText(TextAt(row, "damage"), TextAt(row, "damage").size()) << '\n';
+      out << " refused: " << CellText(TextAt(row, "damage"), TextAt(row, "damage").size()) << '\n';
       continue;
     }
     const std::string clients =

@@ -30,12 +30,13 @@ SceneLog::SceneLog(DataDirectory& directory, SharedJournal& journals, SceneLogOp
       head_(file_->head()) {}
 
 SceneLog::~SceneLog() {
+  TakeLeft();
   if (journal_ && (!file_ || !Write({}, nullptr).ok())) journal_->Keep();
 }
 
 absl::Status SceneLog::Append(std::span<const CommitRecord> commits,
                               const std::function<SceneState()>& whole) {
-  std::lock_guard lock(mutex_);
+  const auto lock = Lock();
   if (is_removed_) return CheckFile();
   if (!file_) {
     if (auto status = BeginAnew(whole()); !status.ok()) return status;
@@ -97,7 +98,7 @@ absl::Status SceneLog::BeginAnew(const SceneState& whole) {
 
 std::optional<SceneLog::Entered> SceneLog::EnterJournal(std::vector<CommitRecord> commits) {
   // Whoever has it may be waiting for the disk: that is to hold up no other scene.
-  std::unique_lock lock(mutex_, std::try_to_lock);
+  const auto lock = TryLock();
   if (!lock.owns_lock() || !file_ || !journal_ || journal_->has_failed()) return std::nullopt;
   if (has_journalled(kMostTimesAsMany)) return std::nullopt;
   uint64_t bytes = 0;
@@ -119,10 +120,32 @@ std::optional<SceneLog::Entered> SceneLog::EnterJournal(std::vector<CommitRecord
 }
 
 void SceneLog::LeaveJournal(std::vector<JournalEntry> entries, bool were_written) {
-  std::lock_guard lock(mutex_);
+  std::lock_guard lock(left_mutex_);
+  left_ = {.entries = std::move(entries), .were_written = were_written};
+}
+
+std::unique_lock<std::mutex> SceneLog::Lock() {
+  std::unique_lock lock(mutex_);
+  TakeLeft();
+  return lock;
+}
+
+std::unique_lock<std::mutex> SceneLog::TryLock() {
+  std::unique_lock lock(mutex_, std::try_to_lock);
+  if (lock.owns_lock()) TakeLeft();
+  return lock;
+}
+
+void SceneLog::TakeLeft() {
+  std::optional<Left> left;
+  {
+    std::lock_guard lock(left_mutex_);
+    left.swap(left_);
+  }
+  if (!left) return;
   is_entered_ = false;
-  if (!were_written) return;
-  for (JournalEntry& entry : entries) {
+  if (!left->were_written) return;
+  for (JournalEntry& entry : left->entries) {
     CommitRecord& commit = entry.chained.commit;
     head_ = {.revision = commit.revision, .chain = entry.chained.link.chain};
     journalled_bytes_ += commit.delta.size();
@@ -140,13 +163,14 @@ bool SceneLog::is_snapshot_due() const {
          file_->is_snapshot_due(options_.history, journalled_.size(), journalled_bytes_);
 }
 
-bool SceneLog::is_tidying_due() const {
-  std::lock_guard lock(mutex_);
-  return file_ && (has_journalled(1) || is_snapshot_due());
+bool SceneLog::is_tidying_due() {
+  // While somebody has it there will be another time.
+  const auto lock = TryLock();
+  return lock.owns_lock() && file_ && (has_journalled(1) || is_snapshot_due());
 }
 
 absl::Status SceneLog::Tidy(const std::function<SnapshotRecord()>& snapshot) {
-  std::lock_guard lock(mutex_);
+  const auto lock = Lock();
   if (!file_) return absl::OkStatus();
   if (has_journalled(1)) {
     // To a newer journal, where there is one.
@@ -162,26 +186,26 @@ absl::Status SceneLog::Tidy(const std::function<SnapshotRecord()>& snapshot) {
 }
 
 void SceneLog::Rest() {
-  std::unique_lock lock(mutex_, std::try_to_lock);
+  const auto lock = TryLock();
   if (!lock.owns_lock() || !file_ || !journal_ || is_entered_) return;
   if (!journal_->has_failed() && Clock::now() - last_append_ < kRest) return;
   Write({}, nullptr).IgnoreError();  // later, then
 }
 
 absl::StatusOr<std::optional<SnapshotRecord>> SceneLog::SnapshotFor(Revision revision) {
-  std::lock_guard lock(mutex_);
+  const auto lock = Lock();
   if (auto status = CheckFile(); !status.ok()) return status;
   return file_->SnapshotFor(revision);
 }
 
 absl::StatusOr<std::optional<SnapshotRecord>> SceneLog::SnapshotAfter(Revision after) {
-  std::lock_guard lock(mutex_);
+  const auto lock = Lock();
   if (auto status = CheckFile(); !status.ok()) return status;
   return file_->SnapshotAfter(after);
 }
 
 absl::StatusOr<HistorySpan> SceneLog::Pin() {
-  std::lock_guard lock(mutex_);
+  const auto lock = Lock();
   if (auto status = CheckFile(); !status.ok()) return status;
   auto span = file_->Span();
   if (span.ok()) ++pins_;
@@ -189,19 +213,19 @@ absl::StatusOr<HistorySpan> SceneLog::Pin() {
 }
 
 void SceneLog::Unpin() {
-  std::lock_guard lock(mutex_);
+  const auto lock = Lock();
   --pins_;
 }
 
 absl::StatusOr<std::vector<CommitRecord>> SceneLog::CommitsAfter(Revision after, Revision last,
                                                                  uint64_t max_bytes) {
-  std::lock_guard lock(mutex_);
+  const auto lock = Lock();
   if (auto status = CheckFile(); !status.ok()) return status;
   return file_->CommitsAfter(after, last, max_bytes);
 }
 
 absl::Status SceneLog::Remove() {
-  std::lock_guard lock(mutex_);
+  const auto lock = Lock();
   is_removed_ = true;
   is_in_journal_ = false;
   file_.reset();

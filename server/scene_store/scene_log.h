@@ -58,7 +58,8 @@ class SceneLog {
   bool is_in_journal() const { return is_in_journal_; }
   // The commits as entries of the journal that the scene's file names, which are going to be
   // appended to it: nothing else is until LeaveJournal tells whether they were. None: they cannot
-  // go to one, at least not now, and Append is to be called.
+  // go to one, at least not now, and Append is to be called. LeaveJournal waits for nobody, so that
+  // whoever has written for many scenes tells all of them, also while one's history is read.
   struct Entered {
     std::shared_ptr<JournalInUse> journal;
     std::vector<JournalEntry> entries;
@@ -68,9 +69,9 @@ class SceneLog {
 
   // What commits need not wait for: moving what is in the journal into the file where it is much, a
   // snapshot of the head if one is due, and what SceneFile moves now and then. `is_tidying_due`:
-  // there is any of this after commits that went to the journal. Not between EnterJournal and
-  // LeaveJournal. Errors  those of SceneFile
-  bool is_tidying_due() const;
+  // there is any of this after commits that went to the journal; a guess, which waits for nobody.
+  // Not between EnterJournal and LeaveJournal. Errors  those of SceneFile
+  bool is_tidying_due();
   absl::Status Tidy(const std::function<SnapshotRecord()>& snapshot);
   // Moves everything into the file where nothing has come for a while. Then there is nothing of the
   // scene in a journal.
@@ -94,7 +95,12 @@ class SceneLog {
  private:
   using Clock = std::chrono::steady_clock;
 
+  // Every call begins with one of these: what LeaveJournal was told is there from then on.
+  std::unique_lock<std::mutex> Lock();
+  std::unique_lock<std::mutex> TryLock();  // has none where another call has it
+
   // With the mutex locked, as for all below.
+  void TakeLeft();
   bool has_journalled(size_t times_many) const;
   bool is_snapshot_due() const;
   absl::Status BeginAnew(const SceneState& whole);
@@ -110,7 +116,15 @@ class SceneLog {
   const SceneLogOptions options_;
   const SceneIdentity identity_;
 
-  mutable std::mutex mutex_;
+  // What LeaveJournal was told last, until the next call takes it; none: there is nothing new.
+  struct Left {
+    std::vector<JournalEntry> entries;
+    bool were_written = false;
+  };
+  std::mutex left_mutex_;  // taken after mutex_, held for a moment
+  std::optional<Left> left_;
+
+  std::mutex mutex_;
   std::unique_ptr<SceneFile> file_;  // null: writing has failed, or it is removed
   bool is_removed_ = false;
   int pins_ = 0;

@@ -1,5 +1,6 @@
 // What a storage finds when a server starts: scenes' files, and journals with their newest commits.
 
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -17,16 +18,25 @@ class LoadedBlobs : public BlobSource {
   explicit LoadedBlobs(BlobStore& store) : store_(store) {}
 
   std::shared_ptr<const Mesh> FindMesh(const ContentHash& hash) const override {
-    if (!store_.Contains(hash)) store_.Load(hash).IgnoreError();
+    Load(hash);
     return store_.FindMesh(hash);
   }
   std::shared_ptr<const AlphaMask> FindMask(const ContentHash& hash) const override {
-    if (!store_.Contains(hash)) store_.Load(hash).IgnoreError();
+    Load(hash);
     return store_.FindMask(hash);
   }
+  // Why one that may be there and sound could not be read.
+  const absl::Status& failed() const { return failed_; }
 
  private:
+  void Load(const ContentHash& hash) const {
+    if (store_.Contains(hash)) return;
+    const absl::Status status = store_.Load(hash);
+    if (absl::IsUnavailable(status) || absl::IsResourceExhausted(status)) failed_ = status;
+  }
+
   BlobStore& store_;
+  mutable absl::Status failed_;
 };
 
 }  // namespace
@@ -47,66 +57,113 @@ std::vector<RestoredScene> SceneStorage::Restore(BlobStore& blobs, const SceneLi
   }
   for (const auto& [scene_id, known] : without_file) {
     restored.push_back({.scene_id = scene_id,
-                        .status = Damaged(absl::StrCat("no file, where revision ", known.revision,
-                                                       " was on disk"))});
+                        .status = files.ok() ? Damaged(absl::StrCat("no file, where revision ",
+                                                                    known.revision, " was on disk"))
+                                             : files.status(),
+                        .need = {.named = std::string(), .incarnation = known.incarnation}});
   }
-  for (const RestoredScene& scene : restored) {
-    if (scene.status.ok()) {
-      Note(*scene.log, scene.scene->revision());
-    } else {
-      // It is left as it is.
-      logger_.Error("scene_refused",
-                    {{"scene", scene.scene_id}, {"error", std::string(scene.status.message())}});
-    }
-  }
-  if (files.ok()) RemoveJournals(journals, restored);
+  Tell(restored);
+  if (files.ok() && journals.are_known()) RemoveJournals(journals, restored);
   return restored;
 }
 
-SceneStorage::FoundJournals SceneStorage::ReadJournals() {
-  FoundJournals found;
-  const auto numbers = directory_->Journals();
-  if (!numbers.ok()) {
-    logger_.Error("journals_unreadable", {{"error", std::string(numbers.status().message())}});
-    return found;
+std::vector<RestoredScene> SceneStorage::RestoreAgain(const std::vector<std::string>& scene_ids,
+                                                      BlobStore& blobs, const SceneLimits& limits) {
+  std::vector<RestoredScene> restored;
+  {
+    std::lock_guard lock(mutex_);
+    if (!are_journals_known_) return restored;  // at the next start
   }
-  found.numbers = *numbers;
-  for (const uint64_t number : *numbers) {
-    auto journal = ReadJournal(directory_->JournalPath(number), options_.database);
-    if (journal.ok()) {
-      std::string id = journal->id;
-      found.sound.emplace(std::move(id), *std::move(journal));
-    } else {
-      // Scenes whose files name it are refused.
-      logger_.Error("journal_damaged",
-                    {{"journal", number}, {"error", std::string(journal.status().message())}});
-    }
+  const auto files = directory_->SceneFiles();
+  if (!files.ok()) return restored;
+  for (const std::string& scene_id : scene_ids) {
+    const auto file = files->find(scene_id);
+    if (file == files->end()) continue;
+    // Not those that are in use by now.
+    const auto kept = KeptJournals(scene_id);
+    if (!kept.ok()) continue;
+    const auto journals = FoundJournals::Read(*directory_, *kept, options_.database);
+    restored.push_back(RestoreScene(scene_id, file->second, journals, blobs, limits));
+    if (!restored.back().status.ok()) continue;
+    std::lock_guard lock(mutex_);
+    kept_journals_.erase(scene_id);
   }
-  return found;
+  Tell(restored);
+  return restored;
 }
 
-// What was in journals is in the scenes' own files now.
+void SceneStorage::Tell(const std::vector<RestoredScene>& restored) {
+  for (const RestoredScene& scene : restored) {
+    const std::string error(scene.status.message());
+    if (scene.status.ok()) {
+      Note(*scene.log, scene.scene->revision());
+    } else if (scene.is_for_now()) {
+      logger_.Warning("scene_unavailable", {{"scene", scene.scene_id}, {"error", error}});
+    } else {
+      // It is left as it is.
+      logger_.Error("scene_refused", {{"scene", scene.scene_id}, {"error", error}});
+    }
+  }
+}
+
+// All that there are, where nobody knows which the scene needs.
+absl::StatusOr<std::vector<uint64_t>> SceneStorage::KeptJournals(const std::string& scene_id) {
+  std::lock_guard lock(mutex_);
+  if (!are_journals_known_) return directory_->Journals();
+  const auto kept = kept_journals_.find(scene_id);
+  return kept == kept_journals_.end() ? std::vector<uint64_t>() : kept->second;
+}
+
+FoundJournals SceneStorage::ReadJournals() {
+  const auto numbers = directory_->Journals();
+  if (numbers.ok()) return FoundJournals::Read(*directory_, *numbers, options_.database);
+  logger_.Error("journals_unreadable", {{"error", std::string(numbers.status().message())}});
+  return FoundJournals::Unknown(numbers.status());
+}
+
+// What was in journals is in the scenes' own files now, but for scenes that are refused.
 void SceneStorage::RemoveJournals(const FoundJournals& journals,
                                   const std::vector<RestoredScene>& restored) {
+  std::set<uint64_t> needed;
   for (const RestoredScene& scene : restored) {
-    if (scene.may_need_journal) return;
+    if (scene.status.ok()) continue;
+    auto by_scene = journals.NeededBy(scene.need);
+    needed.insert(by_scene.begin(), by_scene.end());
+    std::lock_guard lock(mutex_);
+    kept_journals_[scene.scene_id] = std::move(by_scene);
   }
-  for (const uint64_t number : journals.numbers) directory_->RemoveJournal(number).IgnoreError();
+  for (const FoundJournals::Journal& journal : journals.all()) {
+    const std::string error(journal.status.message());
+    if (needed.contains(journal.number)) {
+      if (absl::IsDataLoss(journal.status)) {
+        logger_.Error("journal_damaged", {{"journal", journal.number}, {"error", error}});
+      }
+      continue;
+    }
+    // A crash while a journal ends may leave it without its log, or with one that is cleared.
+    if (!error.empty()) {
+      logger_.Info("unused_journal_removed", {{"journal", journal.number}, {"error", error}});
+    }
+    directory_->RemoveJournal(journal.number).IgnoreError();
+  }
+  std::lock_guard lock(mutex_);
+  are_journals_known_ = true;
 }
 
 RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t number,
                                          const FoundJournals& journals, BlobStore& blobs,
                                          const SceneLimits& limits) {
-  RestoredScene restored{.scene_id = scene_id, .may_need_journal = true};
+  const std::string path = directory_->ScenePath(scene_id, number);
+  auto file = SceneFile::Open(path, options_.database);
+  RestoredScene restored{.scene_id = scene_id,
+                         .need = NeedOf(scene_id, path, file.ok() ? file->get() : nullptr)};
   const auto refuse = [&](absl::Status status) {
     restored.status = std::move(status);
     return std::move(restored);
   };
-  auto file = SceneFile::Open(directory_->ScenePath(scene_id, number), options_.database);
   if (!file.ok()) return refuse(file.status());
-  restored.may_need_journal = !(*file)->journal().empty();
   if ((*file)->identity().scene_id != scene_id) return refuse(Damaged("another scene's file"));
-  auto newer = NewerCommits(**file, journals);
+  auto newer = journals.NewerThan(**file);
   if (!newer.ok()) return refuse(newer.status());
   const Revision newest = newer->empty() ? (*file)->head().revision : newer->back().revision;
   if (auto status = CheckAgainstHeads((*file)->identity(), newest); !status.ok()) {
@@ -119,10 +176,10 @@ RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t n
   auto state = (*file)->StateAt((*file)->head().revision);
   if (!state.ok()) return refuse(state.status());
   state->commits.insert(state->commits.end(), newer->begin(), newer->end());
-  auto scene = SceneOf(scene_id, *state, LoadedBlobs(blobs), limits);
-  if (!scene.ok()) return refuse(scene.status());
+  const LoadedBlobs loaded(blobs);
+  auto scene = SceneOf(scene_id, *state, loaded, limits);
+  if (!scene.ok()) return refuse(loaded.failed().ok() ? scene.status() : loaded.failed());
   if (auto status = MakeLast(**file, *newer); !status.ok()) return refuse(status);
-  restored.may_need_journal = false;
   auto answers = (*file)->Answers(options_.history);
   if (!answers.ok()) return refuse(answers.status());
   // Older ones are what is left of a time when writing failed.
@@ -133,49 +190,51 @@ RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t n
   return restored;
 }
 
-// What has been read may be in the system's memory only; from here on others build on it.
+// `file`  null: what is at `path` cannot be opened
+JournalNeed SceneStorage::NeedOf(const std::string& scene_id, const std::string& path,
+                                 const SceneFile* file) {
+  JournalNeed need;
+  if (const auto known = Known(scene_id)) need.incarnation = known->incarnation;
+  if (file) {
+    need.named = file->journal();
+    need.head = file->head().revision;
+    return need;
+  }
+  auto named = SceneFile::NamedJournal(path, options_.database);
+  if (named.ok()) need.named = *std::move(named);
+  // What cannot be read now may be sound, and name any journal.
+  if (!named.ok() && !absl::IsDataLoss(named.status())) need.incarnation.clear();
+  return need;
+}
+
+// What has been read may be in the system's memory only; from here on others build on it. After an
+// error it is all there to be read again, and then written again.
 absl::Status SceneStorage::MakeLast(SceneFile& file, const std::vector<CommitRecord>& newer) {
-  if (auto status = file.Settle(); !status.ok()) return status;
-  return file.journal().empty() ? absl::OkStatus() : file.Append(newer);
+  absl::Status status = file.Settle();
+  if (status.ok() && !file.journal().empty()) status = file.Append(newer);
+  if (!status.ok()) file.Abandon();
+  return status;
 }
 
-// What the journal that the file names has of the scene after the file's head.
-absl::StatusOr<std::vector<CommitRecord>> SceneStorage::NewerCommits(
-    const SceneFile& file, const FoundJournals& journals) const {
-  std::vector<CommitRecord> newer;
-  if (file.journal().empty()) return newer;
-  const auto journal = journals.sound.find(file.journal());
-  if (journal == journals.sound.end()) {
-    return Damaged("commits in a journal that is damaged or gone");
-  }
-  const auto commits = journal->second.commits.find(file.identity().incarnation);
-  if (commits == journal->second.commits.end()) return newer;
-  SceneHead head = file.head();
-  for (const auto& [commit, link] : commits->second) {
-    if (commit.revision <= head.revision) continue;
-    if (commit.revision != head.revision + 1 || link.previous != head.chain) {
-      return Damaged("a journal with commits of another history");
-    }
-    head = {.revision = commit.revision, .chain = link.chain};
-    newer.push_back(commit);
-  }
-  return newer;
+std::optional<KnownHead> SceneStorage::Known(const std::string& scene_id) {
+  std::lock_guard lock(mutex_);
+  const auto known = heads_.find(scene_id);
+  return known == heads_.end() ? std::nullopt : std::optional(known->second);
 }
 
-absl::Status SceneStorage::CheckAgainstHeads(const SceneIdentity& identity,
-                                             Revision revision) const {
+absl::Status SceneStorage::CheckAgainstHeads(const SceneIdentity& identity, Revision revision) {
   if (identity.owner != directory_->identity()) {
     return FieldError(absl::StatusCode::kFailedPrecondition, "FOREIGN", "scene",
                       "found the file of another server, need one that was imported");
   }
-  const auto known = heads_.find(identity.scene_id);
-  if (known == heads_.end()) return absl::OkStatus();
-  if (known->second.incarnation != identity.incarnation) {
+  const auto known = Known(identity.scene_id);
+  if (!known) return absl::OkStatus();
+  if (known->incarnation != identity.incarnation) {
     return Damaged("the file of an earlier scene of this id");
   }
-  if (known->second.revision > revision) {
+  if (known->revision > revision) {
     return Damaged(
-        absl::StrCat("revision ", revision, ", where ", known->second.revision, " was on disk"));
+        absl::StrCat("revision ", revision, ", where ", known->revision, " was on disk"));
   }
   return absl::OkStatus();
 }

@@ -137,9 +137,14 @@ absl::Status SceneStorage::Remove(SceneLog& log) {
 }
 
 absl::Status SceneStorage::PutAside(const std::string& scene_id) {
-  if (auto status = directory_->PutAside(scene_id); !status.ok()) return status;
+  const auto journals = KeptJournals(scene_id);
+  if (!journals.ok()) return journals.status();
+  if (auto status = directory_->PutAside(scene_id, *journals); !status.ok()) return status;
+  // Nothing of it is lost.
+  logger_.Info("scene_put_aside", {{"scene", scene_id}, {"journals", journals->size()}});
   {
     std::lock_guard lock(mutex_);
+    kept_journals_.erase(scene_id);
     heads_.erase(scene_id);
     are_heads_new_ = true;
   }

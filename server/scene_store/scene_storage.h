@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "server/fair_lane.h"
 #include "server/log/logger.h"
 #include "server/scene_store/blob_store.h"
+#include "server/scene_store/found_journals.h"
 #include "server/scene_store/imported_file.h"
 #include "server/scene_store/scene_log.h"
 #include "server/scene_store/shared_journal.h"
@@ -31,8 +33,12 @@ namespace penumbra {
 // A scene that a server finds when it starts.
 struct RestoredScene {
   std::string scene_id;
-  absl::Status status;            // why it cannot be served; then there is none of the rest
-  bool may_need_journal = false;  // one of those that are there, if it can be served some day
+  absl::Status status;  // why it cannot be served; then there is the next, and none of the rest
+  JournalNeed need;
+  // It is no damage that keeps it from being served: a full disk, for instance.
+  bool is_for_now() const {
+    return absl::IsUnavailable(status) || absl::IsResourceExhausted(status);
+  }
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<SceneLog> log;
   std::vector<CommitRecord> answers;  // commits with a key, oldest first
@@ -62,6 +68,11 @@ class SceneStorage {
   // Scenes that are damaged stay as they are. To be called once, first.
   std::vector<RestoredScene> Restore(BlobStore& blobs, const SceneLimits& limits);
 
+  // These scenes, that could not be read for now, as they are now. Nobody else changes them
+  // meanwhile.
+  std::vector<RestoredScene> RestoreAgain(const std::vector<std::string>& scene_ids,
+                                          BlobStore& blobs, const SceneLimits& limits);
+
   // Both return once that is on disk. Errors  those of SceneFile
   absl::StatusOr<std::shared_ptr<SceneLog>> Create(const std::string& scene_id);
   absl::Status Remove(SceneLog& log);
@@ -69,7 +80,7 @@ class SceneStorage {
   absl::StatusOr<std::unique_ptr<ImportedFile>> BeginImport(const std::string& scene_id,
                                                             const SceneState& start);
   absl::StatusOr<std::shared_ptr<SceneLog>> Adopt(ImportedFile& imported);
-  // Of a scene that cannot be served: its file is moved aside.
+  // Of a scene that cannot be served: its file is moved aside, with the journals that it needs.
   absl::Status PutAside(const std::string& scene_id);
 
   // What is done now and then, on the lane for histories, until Stop.
@@ -84,19 +95,17 @@ class SceneStorage {
  private:
   SceneStorage(std::unique_ptr<DataDirectory> directory, const SceneLogOptions& options,
                Logger& logger);
-  struct FoundJournals {
-    std::map<std::string, FoundJournal> sound;  // by id
-    std::vector<uint64_t> numbers;              // of all
-  };
   FoundJournals ReadJournals();
   void RemoveJournals(const FoundJournals& journals, const std::vector<RestoredScene>& restored);
   RestoredScene RestoreScene(const std::string& scene_id, uint64_t number,
                              const FoundJournals& journals, BlobStore& blobs,
                              const SceneLimits& limits);
-  absl::StatusOr<std::vector<CommitRecord>> NewerCommits(const SceneFile& file,
-                                                         const FoundJournals& journals) const;
+  JournalNeed NeedOf(const std::string& scene_id, const std::string& path, const SceneFile* file);
+  std::optional<KnownHead> Known(const std::string& scene_id);
   static absl::Status MakeLast(SceneFile& file, const std::vector<CommitRecord>& newer);
-  absl::Status CheckAgainstHeads(const SceneIdentity& identity, Revision revision) const;
+  absl::Status CheckAgainstHeads(const SceneIdentity& identity, Revision revision);
+  void Tell(const std::vector<RestoredScene>& restored);
+  absl::StatusOr<std::vector<uint64_t>> KeptJournals(const std::string& scene_id);
   std::shared_ptr<SceneLog> Log(std::unique_ptr<SceneFile> file);
   absl::Status ReadHeadsFile();
   absl::Status WriteHeadsNow();
@@ -113,6 +122,8 @@ class SceneStorage {
   std::mutex mutex_;    // guards the rest
   std::condition_variable noted_;
   KnownHeads heads_;
+  bool are_journals_known_ = false;  // once Restore has looked at all scenes and journals
+  std::map<std::string, std::vector<uint64_t>> kept_journals_;  // of refused scenes, by id
   bool are_heads_new_ = false;
   bool is_ending_ = false;
   std::function<void()> housekeeping_;  // null: none

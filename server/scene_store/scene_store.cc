@@ -55,21 +55,48 @@ void SceneStore::Restore() {
   }
   std::set<std::string> known;
   for (RestoredScene& restored : storage_->Restore(blobs_, limits_.scene)) {
-    if (restored.status.ok()) restored.status = engine_.RestoreScene(restored.scene);
     known.insert(restored.scene_id);
-    if (restored.status.ok()) AttributeBlobs(*restored.scene);
-    std::lock_guard lock(mutex_);
-    if (!restored.status.ok()) {
-      refused_[restored.scene_id] = restored.status;
-      continue;
-    }
-    auto entry = Entry::Make(std::move(restored.scene), std::move(restored.log));
-    for (const CommitRecord& answer : restored.answers) Remember(*entry, answer);
-    entries_[restored.scene_id] = std::move(entry);
+    TakeIn(std::move(restored));
   }
   owners_.KeepOnly(known);
   // Blobs that nobody has used since the last time.
-  storage_->KeepHouse([this] { CollectBlobs(limits_.unused_blob_lifetime).IgnoreError(); });
+  storage_->KeepHouse([this] {
+    RestoreAgain();
+    CollectBlobs(limits_.unused_blob_lifetime).IgnoreError();
+  });
+}
+
+void SceneStore::TakeIn(RestoredScene restored) {
+  if (restored.status.ok()) restored.status = engine_.RestoreScene(restored.scene);
+  if (restored.status.ok()) AttributeBlobs(*restored.scene);
+  std::lock_guard lock(mutex_);
+  if (!restored.status.ok()) {
+    refused_[restored.scene_id] = {restored.status, restored.is_for_now()};
+    return;
+  }
+  auto entry = Entry::Make(std::move(restored.scene), std::move(restored.log));
+  for (const CommitRecord& answer : restored.answers) Remember(*entry, answer);
+  entries_[restored.scene_id] = std::move(entry);
+  refused_.erase(restored.scene_id);
+}
+
+void SceneStore::RestoreAgain() {
+  std::vector<std::string> ids;
+  {
+    std::lock_guard lock(mutex_);
+    for (const auto& [id, refusal] : refused_) {
+      if (refusal.is_for_now && changing_.insert(id).second) ids.push_back(id);
+    }
+  }
+  if (ids.empty()) return;
+  for (RestoredScene& restored : storage_->RestoreAgain(ids, blobs_, limits_.scene)) {
+    const std::string id = restored.scene_id;
+    TakeIn(std::move(restored));
+    std::lock_guard lock(mutex_);
+    if (entries_.contains(id)) storage_->logger().Info("scene_is_back", {{"scene", id}});
+  }
+  std::lock_guard lock(mutex_);
+  for (const std::string& id : ids) changing_.erase(id);
 }
 
 // Who uploaded them is not written down. What a scene needs counts for who made it.
@@ -86,13 +113,14 @@ void SceneStore::AttributeBlobs(const Scene& scene) {
 absl::StatusOr<SceneInfo> SceneStore::Create(const std::string& scene_id, const SceneOwner& owner) {
   {
     std::lock_guard lock(mutex_);
-    const bool is_damaged = refused_.contains(scene_id);
-    if (is_damaged || changing_.contains(scene_id)) {
+    const auto refused = refused_.find(scene_id);
+    if (refused != refused_.end() || changing_.contains(scene_id)) {
+      const char* const why =
+          refused == refused_.end()    ? "', which is being made or deleted, need to wait"
+          : refused->second.is_for_now ? "', which cannot be read for now, need to wait"
+                                       : "', whose file is damaged, need it deleted first";
       return FieldError(absl::StatusCode::kAlreadyExists, "DUPLICATE_ID", "scene_id",
-                        absl::StrCat("found '", scene_id,
-                                     is_damaged ? "', whose file is damaged, need it deleted first"
-                                                : "', which is being made or deleted, need to wait",
-                                     " or another id"));
+                        absl::StrCat("found '", scene_id, why, " or another id"));
     }
     if (auto status = engine_.CreateScene(scene_id); !status.ok()) return status;
     changing_.insert(scene_id);
@@ -160,21 +188,26 @@ absl::Status SceneStore::DeleteReserved(const std::string& scene_id) {
   if (!removed.ok()) {
     // Something of it may be left on disk: nobody gets its id before that has gone too.
     std::lock_guard lock(mutex_);
-    refused_[scene_id] = NotDeleted(removed);
+    refused_[scene_id] = {.status = NotDeleted(removed)};
   }
   return removed;
 }
 
 absl::Status SceneStore::DeleteRefused(const std::string& scene_id) {
-  if (auto status = storage_->PutAside(scene_id); !status.ok()) return status;
+  const absl::Status status = storage_->PutAside(scene_id);
   std::lock_guard lock(mutex_);
-  refused_.erase(scene_id);
-  return absl::OkStatus();
+  // Half of it may be aside: it does not come back by itself.
+  Refusal& refusal = refused_[scene_id];
+  if (!status.ok() && refusal.is_for_now) refusal = {.status = NotDeleted(status)};
+  if (status.ok()) refused_.erase(scene_id);
+  return status;
 }
 
 std::map<std::string, absl::Status> SceneStore::Refused() const {
   std::lock_guard lock(mutex_);
-  return refused_;
+  std::map<std::string, absl::Status> reasons;
+  for (const auto& [id, refusal] : refused_) reasons[id] = refusal.status;
+  return reasons;
 }
 
 absl::StatusOr<WatchedScene> SceneStore::Watch(const std::string& scene_id,
@@ -211,9 +244,15 @@ absl::StatusOr<std::shared_ptr<SceneStore::Entry>> SceneStore::Find(
   std::lock_guard lock(mutex_);
   if (const auto entry = entries_.find(scene_id); entry != entries_.end()) return entry->second;
   if (const auto refused = refused_.find(scene_id); refused != refused_.end()) {
+    const auto& [why, is_for_now] = refused->second;
+    if (is_for_now) {
+      return FieldError(why.code(), ErrorReason(why), "scene_id",
+                        absl::StrCat("found '", scene_id, "', which cannot be read for now (",
+                                     why.message(), "), need it to be later"));
+    }
     return FieldError(absl::StatusCode::kDataLoss, "DAMAGED", "scene_id",
-                      absl::StrCat("found '", scene_id, "', whose file is damaged (",
-                                   refused->second.message(), "), need a scene that is whole"));
+                      absl::StrCat("found '", scene_id, "', whose file is damaged (", why.message(),
+                                   "), need a scene that is whole"));
   }
   return Unknown(scene_id.substr(0, limits_.scene.max_id_bytes));
 }

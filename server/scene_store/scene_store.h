@@ -51,13 +51,15 @@ class SceneStore {
   // Takes in what was on disk. To be called once, first.
   void Restore();
 
-  // These wait for the disk. Errors  those of Engine; of scenes that are damaged kDataLoss DAMAGED
+  // These wait for the disk. Errors  those of Engine; of scenes that are damaged kDataLoss DAMAGED,
+  // of those that cannot be read for now kResourceExhausted DISK_FULL, kUnavailable STORAGE_FAILED
   // Create, further: kResourceExhausted QUOTA_SCENES: the owner has as many as it may
   absl::StatusOr<SceneInfo> Create(const std::string& scene_id, const SceneOwner& owner = {});
   // After an error of the disk the scene is among those that are refused until it is deleted.
   absl::Status Delete(const std::string& scene_id);
   absl::StatusOr<std::vector<SceneInfo>> List() { return engine_.ListScenes(); }
-  // Scenes that are on disk and cannot be served, with the reason.
+  // Scenes that are on disk and cannot be served, with the reason. Those whose reason may pass are
+  // looked at again when house is kept.
   std::map<std::string, absl::Status> Refused() const;
 
   // The scene as it is; `watcher` hears of everything after that until it is gone.
@@ -109,12 +111,19 @@ class SceneStore {
   struct Entry;
   struct Pending;
   struct JournalPart;
+  // Why a scene that is on disk cannot be served.
+  struct Refusal {
+    absl::Status status;
+    bool is_for_now = false;  // it may be again, and nothing of it is damaged
+  };
   using Batch = std::vector<std::shared_ptr<Pending>>;
   using Recalled = absl::StatusOr<std::optional<CommitOutcome>>;
 
   absl::StatusOr<std::shared_ptr<Entry>> Find(const std::string& scene_id) const;
   absl::StatusOr<SceneInfo> CreateReserved(const std::string& scene_id);
   void AttributeBlobs(const Scene& scene);
+  void TakeIn(RestoredScene restored);
+  void RestoreAgain();
   absl::Status DeleteReserved(const std::string& scene_id);
   absl::Status DeleteRefused(const std::string& scene_id);
   // With the entry's mutex locked, as for the next seven.
@@ -143,7 +152,7 @@ class SceneStore {
 
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Entry>> entries_;
-  std::map<std::string, absl::Status> refused_;
+  std::map<std::string, Refusal> refused_;
   std::set<std::string> changing_;  // ids of scenes that are being created or deleted
 };
 

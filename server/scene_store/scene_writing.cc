@@ -107,6 +107,7 @@ void SceneStore::WriteTogether() {
   for (const auto& [part, status] : written) ConcludePart(*part, status);
 }
 
+// Waits neither for the disk nor for who reads a history: the other scenes of the group come next.
 void SceneStore::ConcludePart(JournalPart& part, const absl::Status& written) {
   Entry& entry = *part.entry;
   entry.log->LeaveJournal(std::move(part.entries), written.ok());

@@ -128,8 +128,7 @@ void Session::OnCommit(const v1::Commit& commit, const absl::Status& allowed) {
   }
   if (!allowed.ok()) return AnswerCommit(*reply, allowed);
   const double lot = services_.read_delay.OnRequest();
-  const absl::Status admitted =
-      AdmitByReadDelay(services_.read_delay.Now(), lot, services_.limits);
+  const absl::Status admitted = AdmitByReadDelay(services_.read_delay.Now(), lot, services_.limits);
   if (!admitted.ok()) return AnswerCommit(*reply, admitted);
   Apply(commit, [weak = weak_from_this(), reply](const absl::StatusOr<CommitOutcome>& outcome) {
     if (const auto session = weak.lock()) session->AnswerCommit(*reply, outcome);

@@ -171,4 +171,10 @@ absl::StatusOr<FoundJournal> ReadJournal(const std::string& path, const Database
   return found;
 }
 
+absl::StatusOr<std::string> ReadJournalId(const std::string& path, const DatabaseOptions& options) {
+  auto database = Database::Open(path, {.create = false, .vfs = options.vfs});
+  if (!database.ok()) return database.status();
+  return IdIn(*database);
+}
+
 }  // namespace penumbra

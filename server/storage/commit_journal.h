@@ -79,5 +79,7 @@ struct FoundJournal {
 //
 // Errors  kDataLoss DAMAGED: something is not as it was written; others of Database
 absl::StatusOr<FoundJournal> ReadJournal(const std::string& path, const DatabaseOptions& options);
+// Its id alone, which one may tell that is damaged elsewhere. Errors  those of ReadJournal
+absl::StatusOr<std::string> ReadJournalId(const std::string& path, const DatabaseOptions& options);
 
 }  // namespace penumbra

@@ -235,7 +235,8 @@ absl::Status DataDirectory::RemoveScene(const std::string& scene_id, uint64_t ke
   return absl::OkStatus();
 }
 
-absl::Status DataDirectory::PutAside(const std::string& scene_id) {
+absl::Status DataDirectory::PutAside(const std::string& scene_id,
+                                     std::span<const uint64_t> journals) {
   const auto all = AllSceneFiles();
   if (!all.ok()) return all.status();
   const auto found = all->find(scene_id);
@@ -246,6 +247,16 @@ absl::Status DataDirectory::PutAside(const std::string& scene_id) {
   const std::string stem =
       absl::StrCat(folder, "/", std::chrono::duration_cast<std::chrono::microseconds>(now).count(),
                    "-", scene_id, "~");
+  for (const uint64_t number : journals) {
+    for (const char* suffix : kFileSuffixes) {
+      // Another name of the same file, which takes no room and outlives the first.
+      const std::string file = JournalPath(number) + suffix;
+      const std::string aside = absl::StrCat(stem, "journal-", number, kDatabaseSuffix, suffix);
+      if (::link(file.c_str(), aside.c_str()) != 0 && errno != ENOENT) {
+        return FileError(file, errno);
+      }
+    }
+  }
   for (const uint64_t number : found->second) {
     for (const char* suffix : kFileSuffixes) {
       const std::string file = ScenePath(scene_id, number) + suffix;

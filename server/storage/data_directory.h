@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,8 +58,9 @@ class DataDirectory {
   std::string SpareJournalPath() const { return path_ + "/journals/spare"; }
   // Removes the files of a scene but the one of this number; 0: all of them.
   absl::Status RemoveScene(const std::string& scene_id, uint64_t kept);
-  // Moves a scene's files to `removed/`, under names that tell when.
-  absl::Status PutAside(const std::string& scene_id);
+  // Moves a scene's files to `removed/`, under names that tell when. These journals are there as
+  // well from then on, and stay where they are.
+  absl::Status PutAside(const std::string& scene_id, std::span<const uint64_t> journals = {});
 
  private:
   DataDirectory(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}

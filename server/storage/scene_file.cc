@@ -111,6 +111,19 @@ absl::StatusOr<std::unique_ptr<SceneFile>> SceneFile::Open(const std::string& pa
   return file;
 }
 
+absl::StatusOr<std::string> SceneFile::NamedJournal(const std::string& path,
+                                                    const DatabaseOptions& options) {
+  const auto log = CheckWalFile(path + "-wal");
+  if (!log.ok()) return log.status();
+  // The transactions that are missing may have named another.
+  if (*log == WalState::kDamaged) return Damaged("a log with transactions missing");
+  auto database = Database::Open(path, {.create = false, .vfs = options.vfs});
+  if (!database.ok()) return database.status();
+  SceneFile file(*std::move(database));
+  if (auto status = file.ReadIdentity(); !status.ok()) return status;
+  return file.journal_;
+}
+
 absl::Status SceneFile::Verify() {
   if (auto status = database_.Check(); !status.ok()) return status;
   if (auto status = ReadIdentity(); !status.ok()) return status;

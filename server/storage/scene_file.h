@@ -65,6 +65,9 @@ class SceneFile {
                                                            const SceneState& start = {});
   static absl::StatusOr<std::unique_ptr<SceneFile>> Open(const std::string& path,
                                                          const DatabaseOptions& options);
+  // What `journal` would say, also of a file that is damaged elsewhere and stays as it is.
+  static absl::StatusOr<std::string> NamedJournal(const std::string& path,
+                                                  const DatabaseOptions& options);
 
   const SceneIdentity& identity() const { return identity_; }
   const SceneHead& head() const { return head_; }

@@ -84,6 +84,10 @@ class BusyScenesTest : public DurableScenesTest {
     std::filesystem::remove_all(folder_ / "data");
     std::filesystem::rename(folder_ / "copy", folder_ / "data");
   }
+  void Crash() {
+    Copy();
+    BecomeCopy();
+  }
   void CrashWhileBusy() {
     ASSERT_NO_FATAL_FAILURE(DragUntilBusy());
     BecomeCopy();

@@ -2,11 +2,13 @@
 
 #include "tests/integration/service/busy_scenes.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <thread>
 
@@ -18,6 +20,54 @@ namespace penumbra::testing {
 namespace {
 
 namespace fs = std::filesystem;
+
+// What a server does that starts and cannot read all of them.
+class UnreadableScenesTest : public BusyScenesTest {
+ protected:
+  // On a disk without room, which is looked at again every second.
+  void RestartOn(FaultyVfs& disk) {
+    options_.storage.database.vfs = disk.name();
+    options_.storage.house_interval = std::chrono::seconds(1);
+    disk.FailAfter(0, FaultyVfs::Call::kWrite, SQLITE_FULL);
+    Restart();
+  }
+
+  static std::string BytesOf(const std::string& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return {(std::istreambuf_iterator<char>(stream)), {}};
+  }
+  // Changes a bit; what the file is then.
+  static std::string Damage(const std::string& path) {
+    std::string bytes = BytesOf(path);
+    bytes[bytes.size() / 3] ^= 1;
+    std::ofstream(path, std::ios::binary) << bytes;
+    return bytes;
+  }
+  // While the busy scene is refused another one comes to have a journal, and is whole again.
+  void ExpectOnlyItsJournalIsKept(const std::string& damaged) {
+    CrashWhileBusy();
+    const SceneInfo busy = before_;
+    const std::string whole = BytesOf(damaged);
+    Damage(damaged);
+    Restart();
+    ExpectRefused();
+    MakeOther();
+    DragUntilBusy();
+    const Revision other = client_->FindScene("other")->revision;
+    ASSERT_TRUE(fs::exists(folder_ / "data/journals/2.db"));
+    Crash();
+    Restart();
+    EXPECT_EQ(client_->FindScene("other")->revision, other);
+    EXPECT_FALSE(fs::exists(folder_ / "data/journals/2.db"));
+    EXPECT_FALSE(fs::exists(folder_ / "data/journals/2.db-wal"));
+    // Nothing has gone that the scene needs once it can be read.
+    Crash();
+    std::ofstream(damaged, std::ios::binary) << whole;
+    Restart();
+    before_ = busy;
+    ExpectAsBefore();
+  }
+};
 
 TEST_F(BusyScenesTest, D01AreWholeAfterACrash) {
   CrashWhileBusy();
@@ -87,7 +137,7 @@ TEST_F(BusyScenesTest, AreInTheirOwnFilesOnceTheServerEnds) {
   ExpectAsBefore();
 }
 
-TEST_F(BusyScenesTest, D04AreRefusedWithoutTheirJournalAndOthersAreServed) {
+TEST_F(UnreadableScenesTest, D04AreRefusedWithoutTheirJournalAndOthersAreServed) {
   CrashWhileBusy();
   fs::rename(Journal(), folder_ / "kept.db");
   fs::rename(Journal() + "-wal", folder_ / "kept.db-wal");
@@ -103,16 +153,10 @@ TEST_F(BusyScenesTest, D04AreRefusedWithoutTheirJournalAndOthersAreServed) {
   ExpectAsBefore();
 }
 
-TEST_F(BusyScenesTest, D04AreRefusedWithADamagedJournalWhichIsLeftAsItIs) {
+TEST_F(UnreadableScenesTest, D04AreRefusedWithADamagedJournalWhichIsLeftAsItIs) {
   CrashWhileBusy();
   const std::string log = Journal() + "-wal";
-  std::string bytes;
-  {
-    std::ifstream stream(log, std::ios::binary);
-    bytes.assign((std::istreambuf_iterator<char>(stream)), {});
-  }
-  bytes[bytes.size() / 3] ^= 1;
-  std::ofstream(log, std::ios::binary) << bytes;
+  const std::string bytes = Damage(log);
   for (int i = 1; i <= 2; ++i) {
     Restart();
     EXPECT_EQ(logger_.Await("journal_damaged", static_cast<size_t>(i)).size(),
@@ -123,8 +167,74 @@ TEST_F(BusyScenesTest, D04AreRefusedWithADamagedJournalWhichIsLeftAsItIs) {
       EXPECT_FALSE(session_->Commit(MoveBox({0, 1, 0.1f * static_cast<float>(j)})).has_error());
     }
   }
-  std::ifstream stream(log, std::ios::binary);
-  EXPECT_EQ(std::string((std::istreambuf_iterator<char>(stream)), {}), bytes);
+  EXPECT_EQ(BytesOf(log), bytes);
+}
+
+TEST_F(UnreadableScenesTest, D04ASceneWithADamagedJournalKeepsThatOneAndNoOther) {
+  ExpectOnlyItsJournalIsKept(Journal() + "-wal");
+}
+
+TEST_F(UnreadableScenesTest, D05AFullDiskAtTheStartIsNoDamageAndTheyAreBackWhenThereIsRoom) {
+  FaultyVfs disk;
+  CrashWhileBusy();
+  RestartOn(disk);
+  EXPECT_EQ(logger_.Await("scene_unavailable", 2)[0]["scene"], "busy");
+  EXPECT_TRUE(logger_.All("scene_refused").empty());
+  const absl::Status refused = EndOfSession("busy");
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ErrorReason(refused), "DISK_FULL");
+  EXPECT_THAT(refused.message(), ::testing::HasSubstr("which cannot be read for now"));
+  EXPECT_EQ(client_->CreateScene("busy").code(), absl::StatusCode::kAlreadyExists);
+  disk.Heal();
+  logger_.Await("scene_is_back", 2);
+  ExpectAsBefore();
+  session_ = client_->OpenSession("busy");
+  EXPECT_EQ(session_->Commit(MoveBox({0, 1, 3})).revision(), before_.revision + 1);
+  options_.storage.database.vfs = nullptr;
+  Restart();
+  EXPECT_EQ(client_->FindScene("busy")->revision, before_.revision + 1);
+  EXPECT_FALSE(fs::exists(Journal()));
+}
+
+TEST_F(UnreadableScenesTest, D05WhatIsDeletedWhileTheDiskIsFullIsPutAsideWithItsJournal) {
+  FaultyVfs disk;
+  CrashWhileBusy();
+  RestartOn(disk);
+  EXPECT_EQ(client_->DeleteScene("busy"), absl::OkStatus());
+  EXPECT_EQ(logger_.Await("scene_put_aside", 1)[0]["journals"], 1);
+  options_.storage.database.vfs = nullptr;
+  Restart();
+  EXPECT_EQ(client_->FindScene("busy").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_FALSE(fs::exists(Journal()));
+  // As operations.md says.
+  Crash();
+  for (const auto& file : fs::directory_iterator(folder_ / "data/removed")) {
+    const std::string name = file.path().filename().string();
+    const size_t tilde = name.find('~'), journal = name.find("journal-");
+    const std::string back = journal == std::string::npos
+                                 ? "data/scenes/busy" + name.substr(tilde)
+                                 : "data/journals/" + name.substr(journal + 8);
+    fs::copy_file(file.path(), folder_ / back);
+  }
+  Restart();
+  ExpectAsBefore();
+}
+
+TEST_F(UnreadableScenesTest, ADamagedJournalThatNoSceneNeedsIsNoDamage) {
+  CrashWhileBusy();
+  const std::string unused = folder_ / "data/journals/7.db";
+  std::ofstream(unused, std::ios::binary) << "no journal";
+  Restart();
+  ExpectAsBefore();
+  const auto removed = logger_.Await("unused_journal_removed", 1)[0];
+  EXPECT_EQ(removed["journal"], 7);
+  EXPECT_EQ(removed["level"], "info");
+  EXPECT_TRUE(logger_.All("journal_damaged").empty());
+  EXPECT_FALSE(fs::exists(unused));
+}
+
+TEST_F(UnreadableScenesTest, D04ASceneWithADamagedFileKeepsItsJournalAndNoOther) {
+  ExpectOnlyItsJournalIsKept(SceneFileOf("busy") + "-wal");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A disk or a processor that does not keep up: commits that would wait for too long, or too many of them, are
-// refused at once, with a time to come back; those that were let in are kept.
+// A disk or a processor that does not keep up: commits that would wait for too long, or too many of
+// them, are refused at once, with a time to come back; those that were let in are kept.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,9 @@
 #include "render/scene/field_error.h"
 #include "render/scene/retry_delay.h"
 #include "tests/integration/service/durable_scenes.h"
+#include "tests/integration/service/unconnected_session.h"
 #include "tests/support/faulty_vfs.h"
+#include "tests/support/held_threads.h"
 #include "tests/support/http_get.h"
 
 namespace penumbra::testing {
@@ -173,45 +175,6 @@ TEST_F(OverloadTest, TheLibrarysCommitsComeThroughOnce) {
   EXPECT_EQ(client_->FindScene("studio")->revision, 3u);
 }
 
-// Where the processor does not keep up; here it never does, once it has been asked.
-TEST_F(OverloadTest, WhileRequestsWaitToBeReadCommitsAreRefused) {
-  options_.limits.max_read_delay_ms = 0;
-  Restart();
-  MakeStudio();
-  constexpr uint64_t kCommits = 40;
-  for (uint64_t id = 0; id < kCommits; ++id) SendCommit(id, MoveBox({0.1f * id, 1, 0}));
-  uint64_t accepted = 0;
-  for (uint64_t i = 0; i < kCommits; ++i) {
-    const auto result = NextResult();
-    if (result.has_error()) {
-      ExpectRefusal(result, "OVERLOADED");
-    } else {
-      EXPECT_EQ(result.revision(), 2 + accepted++);
-    }
-  }
-  EXPECT_LT(accepted, kCommits);
-  EXPECT_EQ(client_->FindScene("studio")->revision, 1 + accepted);
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  EXPECT_EQ(session_->Commit(MoveBox({3, 1, 0})).revision(), 2 + accepted) << "all is as before";
-}
-
-TEST_F(OverloadTest, AndTheLibrarysComeThroughOnce) {
-  options_.limits.max_read_delay_ms = 0;
-  options_.metrics_listen = "127.0.0.1:0";
-  Restart();
-  MakeStudio();
-  const auto engine = RemoteEngine::Connect({.address = server_->address()});
-  ASSERT_TRUE(engine.ok()) << engine.status();
-  for (uint64_t i = 0; i < 20; ++i) {
-    const auto revision = (*engine)->Commit("studio", MoveBox({0.1f * i, 1, 0}));
-    ASSERT_TRUE(revision.ok()) << revision.status();
-    EXPECT_EQ(*revision, 2 + i);
-  }
-  const std::string metrics = HttpGet(server_->metrics_address(), "/metrics");
-  EXPECT_NE(metrics.find("penumbra_failures_total{reason=\"OVERLOADED\"}"), std::string::npos);
-  EXPECT_NE(metrics.find("penumbra_read_delay_seconds "), std::string::npos);
-}
-
 TEST_F(OverloadTest, RefusalsAreCountedByTheirReason) {
   options_.limits.max_commit_delay_ms = 100;
   options_.metrics_listen = "127.0.0.1:0";
@@ -225,11 +188,50 @@ TEST_F(OverloadTest, RefusalsAreCountedByTheirReason) {
   const auto logged = logger_.Await("refused", 1)[0];
   EXPECT_EQ(logged["reason"], "OVERLOADED");
   EXPECT_EQ(logged["field"], "commit");
-  EXPECT_NE(HttpGet(server_->metrics_address(), "/metrics")
-                .find("penumbra_failures_total{reason=\"OVERLOADED\"} 1"),
-            std::string::npos);
+  const std::string metrics = HttpGet(server_->metrics_address(), "/metrics");
+  EXPECT_NE(metrics.find("penumbra_failures_total{reason=\"OVERLOADED\"} 1"), std::string::npos);
+  EXPECT_NE(metrics.find("penumbra_read_delay_seconds 0"), std::string::npos);
   disk_.Heal();
   EXPECT_EQ(NextResult().revision(), 2u);
+}
+
+TEST(BusyProcessorTest, WhileRequestsWaitToBeReadCommitsAreRefused) {
+  UnconnectedSession parts;
+  parts.Hello("ana");
+  while (parts.Next()) {
+  }
+  uint64_t sent = 0;
+  const auto commit = [&](int times) {
+    for (int i = 0; i < times; ++i) {
+      v1::SessionRequest request;
+      request.mutable_commit()->set_commit_id(sent++);
+      *request.mutable_commit()->mutable_delta() =
+          ToProto(MoveBox({0.01f * static_cast<float>(sent), 1, 0}));
+      parts.Send(request);
+    }
+  };
+  std::map<uint64_t, absl::Status> answers;
+  const auto take = [&] {
+    while (const auto response = parts.Next()) {
+      if (!response->has_commit_result()) continue;
+      answers[response->commit_result().commit_id()] = ErrorIn(response->commit_result());
+    }
+  };
+  HeldThreads held;
+  commit(32);  // so many at once that the server asks whether it keeps up
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  commit(32);
+  take();
+  ASSERT_EQ(answers.size(), 64u);
+  for (const auto& [id, error] : answers) {
+    EXPECT_EQ(ErrorReason(error), id < 32 ? "" : "OVERLOADED") << error;
+    if (id >= 32) EXPECT_GE(RetryDelayMs(error).value_or(0), 200) << error;
+  }
+  held.LetGo();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1'500));
+  commit(1);
+  take();
+  EXPECT_EQ(answers[64], absl::OkStatus()) << "and all is as before";
 }
 
 // Row C20.

@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -73,6 +74,14 @@ class HistoryReadingTest : public ::testing::Test {
     return log_->Append(commits, [&] { return SceneState{.snapshot = SnapshotOf(*before)}; });
   }
   void CommitMany(int count) { ASSERT_EQ(Commit(count), absl::OkStatus()); }
+  // Puts a commit into the journal that the file names, and leaves it to the test to tell the log.
+  std::vector<JournalEntry> WriteToJournal() {
+    auto entered = log_->EnterJournal({Next()});
+    EXPECT_TRUE(entered);
+    if (!entered) return {};
+    EXPECT_EQ(journals_.Append(*entered->journal, {entered->entries}), absl::OkStatus());
+    return std::move(entered->entries);
+  }
   // Forgets what is more than 40 commits older than the newest snapshot but one.
   void Compact() {
     ASSERT_EQ(log_->Tidy([this] { return SnapshotOf(*newest_); }), absl::OkStatus());
@@ -156,6 +165,33 @@ TEST_F(HistoryReadingTest, CommitsComeBetweenThePiecesThatAreVisited) {
   EXPECT_EQ(status, absl::OkStatus());
   EXPECT_EQ(commit.get(), absl::OkStatus());
   EXPECT_EQ(visited, 92u) << "a snapshot, 90 deltas, and the one that came";
+}
+
+// Whoever has written for many scenes tells one after another.
+TEST_F(HistoryReadingTest, WhatIsInTheJournalIsToldWhileAHistoryIsReadAndIsReadNext) {
+  for (int i = 0; i < 100 && !log_->is_in_journal(); ++i) CommitMany(1);
+  log_->LeaveJournal(WriteToJournal(), /*were_written=*/true);
+  auto entries = WriteToJournal();
+  const auto read = [this] { return log_->CommitsAfter(0, newest_->revision(), 1u << 30); };
+  disk_.Stall();
+  auto reading = std::async(std::launch::async, read);
+  // Until it waits for the disk: the file takes over what the journal had before.
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  auto telling = std::async(std::launch::async, [&] {
+    log_->LeaveJournal(std::move(entries), /*were_written=*/true);
+    return log_->is_tidying_due();
+  });
+  EXPECT_EQ(telling.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  EXPECT_EQ(reading.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+  disk_.Heal();
+  telling.get();
+  const auto first = reading.get();
+  ASSERT_TRUE(first.ok()) << first.status();
+  EXPECT_EQ(first->back().revision, newest_->revision() - 1);
+  const auto second = read();
+  ASSERT_TRUE(second.ok()) << second.status();
+  EXPECT_EQ(second->back().revision, newest_->revision());
+  CommitMany(1);
 }
 
 TEST_F(HistoryReadingTest, NothingIsForgottenWhileItIsVisited) {

@@ -91,6 +91,25 @@ TEST_F(SceneFileDamageTest, UndamagedItIsWhole) {
   EXPECT_EQ(FateOf(closed_), Fate::kSame);
 }
 
+TEST_F(SceneFileDamageTest, D04TheJournalThatADamagedOneNamesIsToldOrNot) {
+  ASSERT_EQ(SceneFile::Open(path_, {}).value()->Append({}, "a journal"), absl::OkStatus());
+  const std::string file = *ReadFileIfThere(path_), log = *ReadFileIfThere(path_ + "-wal");
+  int told = 0;
+  for (int i = 0; i < 500; ++i) {
+    std::string flipped = file;
+    flipped[random_() % file.size()] ^= 4;
+    Write(path_, flipped);
+    Write(path_ + "-wal", log);
+    if (SceneFile::Open(path_, {}).ok()) continue;
+    const auto named = SceneFile::NamedJournal(path_, {});
+    EXPECT_EQ(named.value_or("a journal"), "a journal") << i;
+    told += named.ok();
+    EXPECT_EQ(*ReadFileIfThere(path_), flipped);
+    EXPECT_EQ(*ReadFileIfThere(path_ + "-wal"), log);
+  }
+  EXPECT_GT(told, 100);
+}
+
 TEST_F(SceneFileDamageTest, D04FlippedBitsInTheFile) {
   size_t refused = 0;
   for (int i = 0; i < 3'000; ++i) {
