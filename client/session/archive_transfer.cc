@@ -92,7 +92,7 @@ class RecordStream {
   RecordStream(grpc::ClientWriter<v1::ImportSceneRequest>& writer, const std::string& scene_id,
                size_t max_bytes)
       : writer_(writer),
-        max_bytes_(max_bytes - kMessageOverheadBytes),
+        max_bytes_(std::max(max_bytes, 2 * kMessageOverheadBytes) - kMessageOverheadBytes),
         chunk_bytes_(std::min(kChunkBytes, max_bytes_ / 2)) {
     message_.set_scene_id(scene_id);
   }

@@ -26,6 +26,12 @@ size_t LimitOr(uint64_t told, size_t wanted) {
   return told == 0 ? wanted : static_cast<size_t>(std::min<uint64_t>(told, wanted));
 }
 
+// A server whose messages are too small for any chunk refuses the first one.
+size_t ChunkBytes(uint64_t max_message_bytes) {
+  const size_t message = LimitOr(max_message_bytes, kChunkBytes + kMessageOverheadBytes);
+  return std::max(message, 2 * kMessageOverheadBytes) - kMessageOverheadBytes;
+}
+
 class FetchedBlobs : public BlobSource {
  public:
   std::shared_ptr<const Mesh> FindMesh(const ContentHash& hash) const override {
@@ -46,8 +52,7 @@ class FetchedBlobs : public BlobSource {
 BlobTransfer::BlobTransfer(ServerConnection& connection, const v1::Limits& limits)
     : connection_(connection),
       scene_limits_(SceneLimitsFromProto(limits)),
-      chunk_bytes_(LimitOr(limits.max_message_bytes(), kChunkBytes + kMessageOverheadBytes) -
-                   kMessageOverheadBytes),
+      chunk_bytes_(ChunkBytes(limits.max_message_bytes())),
       hashes_per_request_(LimitOr(limits.max_hashes_per_request(), kHashesPerRequest)),
       max_blob_bytes_(LimitOr(limits.max_blob_bytes(), kMaxBlobBytes)) {}
 

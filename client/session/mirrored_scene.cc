@@ -13,6 +13,17 @@ absl::Status OutOfStep(const std::string& text) {
   return absl::DataLossError(absl::StrCat("the mirror of the scene is out of step: ", text));
 }
 
+// No change of a scene that keeps to the limits is as long; one whose end never comes is.
+bool IsTooLong(const v1::SceneDelta& delta, const SceneLimits& limits) {
+  const auto items = static_cast<uint64_t>(delta.upsert_instances_size()) +
+                     static_cast<uint64_t>(delta.remove_instances_size()) +
+                     static_cast<uint64_t>(delta.upsert_lights_size()) +
+                     static_cast<uint64_t>(delta.remove_lights_size()) +
+                     static_cast<uint64_t>(delta.upsert_receivers_size()) +
+                     static_cast<uint64_t>(delta.remove_receivers_size());
+  return items > 2 * (limits.max_instances + limits.max_lights + limits.max_receivers);
+}
+
 }  // namespace
 
 MirroredScene::MirroredScene(const std::string& scene_id, BlobTransfer& blobs)
@@ -26,7 +37,8 @@ bool MirroredScene::Push(v1::SceneUpdate update) {
   } else {
     pieces_ = std::move(update);
   }
-  if (is_continued) return false;
+  // What is too long is not waited for: to apply it fails.
+  if (is_continued && !IsTooLong(pieces_->delta(), blobs_.scene_limits())) return false;
   pushed_revision_ = pieces_->revision();
   pushed_hash_ = pieces_->content_hash();
   has_content_ = true;
@@ -122,6 +134,9 @@ absl::Status MirroredScene::Apply(const v1::SceneUpdate& update) {
   } else if (update.from_revision() != before->revision()) {
     return OutOfStep(absl::StrCat("found a change from revision ", update.from_revision(),
                                   ", need one from ", before->revision()));
+  }
+  if (IsTooLong(update.delta(), blobs_.scene_limits())) {
+    return OutOfStep("found a change of more than a scene may hold");
   }
   const auto fetched = blobs_.Fetch(update.delta(), stop_.get_token());
   if (!fetched.ok()) return fetched.status();

@@ -91,6 +91,24 @@ TEST_F(HostileServerTest, WhoeverWasTooSlowGoesOn) {
                                                ConnectionEvent::Kind::kRestored));
 }
 
+TEST_F(HostileServerTest, AChangeWhoseEndNeverComesEndsTheMirror) {
+  HostileServer server([](HostileServer::Stream& stream, int) {
+    v1::SessionResponse response;
+    v1::SceneUpdate& update = *response.mutable_scene_update();
+    update.set_is_snapshot(true);
+    update.set_is_continued(true);
+    const std::string id(1, 'a');
+    for (int i = 0; i < 20'000; ++i) *update.mutable_delta()->add_remove_instances() = id;
+    for (int i = 0; i < 10 && stream.Write(response); ++i) {
+    }
+    return Listen(stream);
+  });
+  const auto engine = Connect(server, 0);
+  const auto scene = engine->Snapshot("studio");
+  EXPECT_EQ(scene.status().code(), absl::StatusCode::kDataLoss) << scene.status();
+  EXPECT_THAT(std::string(scene.status().message()), HasSubstr("more than a scene may hold"));
+}
+
 TEST_F(HostileServerTest, ACrowdThatNoSceneHoldsEndsTheSession) {
   HostileServer server([](HostileServer::Stream& stream, int) {
     v1::SessionResponse response;
