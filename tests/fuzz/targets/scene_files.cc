@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "client/import/import_scene.h"
 #include "render/scene/scene.h"
 #include "tests/fuzz/kit/put_word.h"
@@ -130,12 +131,9 @@ constexpr char kTriangleJson[] = R"({"asset":{"version":"2.0"},"scene":0,"scenes
 "materials":[{"emissiveFactor":[0,0,0],"pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0,1]}}],
 "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
 "min":[0,0,0],"max":[1,1,0]}],
-"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36%s}]})";
+"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36)";
 
-std::string TriangleJson(const std::string& uri) {
-  std::string json = kTriangleJson;
-  return json.replace(json.find("%s"), 2, uri);
-}
+std::string TriangleJson(const std::string& uri) { return absl::StrCat(kTriangleJson, uri, "}]}"); }
 
 std::string TriangleBytes() {
   std::string bytes;
