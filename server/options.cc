@@ -25,6 +25,10 @@ void AddServing(CLI::App& app, ServerOptions& server) {
   app.add_option("--runners", server.runners,
                  "Artifacts that are computed at a time, besides one final picture")
       ->check(CLI::Range(1, 64));
+  app.add_option("--max-read-delay", server.limits.max_read_delay_ms,
+                 "Milliseconds that requests may wait until they are read; while they wait longer "
+                 "commits are refused; 0: none are")
+      ->check(CLI::Range(0, 60'000));
   app.add_option("--egl-device", server.egl_device,
                  "EGL device, by number or part of its name; default: the first hardware device, "
                  "else software");

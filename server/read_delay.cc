@@ -1,9 +1,12 @@
 #include "server/read_delay.h"
 
+#include <grpc/impl/codegen/grpc_types.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <climits>
 #include <condition_variable>
 #include <mutex>
 #include <utility>
@@ -29,6 +32,8 @@ constexpr std::chrono::milliseconds kMostForThem{20};
 constexpr std::chrono::milliseconds kInterval{5};
 // What is older says nothing about now.
 constexpr std::chrono::milliseconds kMemory{250};
+// Where so many have not come for so long they are few.
+constexpr std::chrono::milliseconds kFewSince{50};
 // A message that takes longer is late. One may be: a thread had to wait for its turn on a
 // processor, which does not take kTurn.
 constexpr std::chrono::milliseconds kLate{6};
@@ -55,6 +60,7 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
   }
 
   ~Loop() override {
+    if (!server_) return;
     sender_.End();
     server_->Shutdown(std::chrono::system_clock::now());
   }
@@ -62,7 +68,7 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
   void Send(Clock::time_point now) {
     {
       std::lock_guard lock(mutex_);
-      if (is_under_way_ || !is_written_ || now - sent_ < kInterval) return;
+      if (is_broken_ || is_under_way_ || !is_written_ || now - sent_ < kInterval) return;
       if (now - came_ >= kMemory) last_ = kNone;
       is_under_way_ = true;
       is_written_ = false;
@@ -102,7 +108,7 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
 
     void OnWriteDone(bool ok) override {
       callbacks_.Take();
-      if (ok) loop_.OnWritten();
+      ok ? loop_.OnWritten() : loop_.OnBroken();
     }
     void OnDone(const grpc::Status&) override {
       callbacks_.Take();
@@ -127,7 +133,10 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
 
     void OnReadDone(bool ok) override {
       callbacks_.Take();
-      if (!ok) return Finish(grpc::Status::OK);
+      if (!ok) {
+        loop_.OnBroken();
+        return Finish(grpc::Status::OK);
+      }
       loop_.OnCame();
       callbacks_.Give();
       StartRead(&message_);
@@ -143,8 +152,16 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
   Loop(int client_end, int server_end) : sender_(*this) {
     grpc::ServerBuilder builder;
     LeaveOutReflection(builder);
+    // Nobody answers pings while the processor does not keep up.
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, INT_MAX);
     builder.RegisterCallbackGenericService(this);
     server_ = builder.BuildAndStart();
+    if (!server_) {
+      is_broken_ = true;
+      ::close(client_end);
+      ::close(server_end);
+      return;
+    }
     grpc::AddInsecureChannelFromFd(server_.get(), server_end);
     grpc::GenericStub stub(grpc::CreateInsecureChannelFromFd("", client_end));
     sender_.Begin(stub);
@@ -154,6 +171,12 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
     return new Receiver(*this);
   }
 
+  // The call has ended, if not by the destructor: nothing is measured any more.
+  void OnBroken() {
+    std::lock_guard lock(mutex_);
+    is_broken_ = true;
+    is_under_way_ = false;
+  }
   void OnWritten() {
     std::lock_guard lock(mutex_);
     is_written_ = true;
@@ -169,7 +192,7 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
   static constexpr Clock::duration kNone = Clock::duration::zero();
 
   mutable std::mutex mutex_;  // guards the next six
-  bool is_under_way_ = false, is_written_ = true;
+  bool is_under_way_ = false, is_written_ = true, is_broken_ = false;
   Clock::time_point sent_{}, came_{}, alert_until_{};
   Clock::duration last_{};  // what the last one has taken
   Sender sender_;
@@ -183,14 +206,21 @@ double ReadDelay::OnRequest() {
   const uint64_t number = ++requests_;
   if (loop_ && number % kRequestsForOne == 0) {
     const auto now = Clock::now();
-    if (now - eighth_.exchange(now) <= kMostForThem) loop_->Send(now);
+    if (now - eighth_.exchange(now) <= kMostForThem) {
+      many_ = now;
+      loop_->Send(now);
+    }
   }
   // Multiples of the golden ratio, modulo 1.
   return static_cast<double>(number * 0x9E3779B97F4A7C15u >> 11) * 0x1p-53;
 }
 
 ReadDelay::Clock::duration ReadDelay::Now() const {
-  return loop_ ? loop_->Now() : Clock::duration::zero();
+  if (!loop_) return Clock::duration::zero();
+  const auto delay = loop_->Now();
+  // Many came a while ago, and few since.
+  const bool is_past = Clock::now() - many_.load() > kFewSince + delay;
+  return is_past ? Clock::duration::zero() : delay;
 }
 
 }  // namespace penumbra

@@ -38,7 +38,8 @@ class ReadDelay {
   class Loop;
 
   std::atomic<uint64_t> requests_{0};
-  std::atomic<Clock::time_point> eighth_{};  // when the last came that asked for a message
+  std::atomic<Clock::time_point> eighth_{};  // when the last came whose number eight divides
+  std::atomic<Clock::time_point> many_{};    // when the last came that asked for a message
   std::unique_ptr<Loop> loop_;               // null: there is no socket
 };
 

@@ -50,6 +50,8 @@ absl::Status AdmitToScene(uint64_t bytes, const SceneBacklog& scene, const Serve
 constexpr double kReadDelayBegins = 0.1;
 // Long enough that few who are refused hold back most of what comes, and spread: those who are
 // refused together are not to come back together.
+// Not all: whoever comes again and again is let in, whoever else sends how much.
+constexpr double kMostRefusedPart = 0.95;
 constexpr double kLeastReadRetryMs = 200, kMostReadRetryMs = 600;
 
 }  // namespace
@@ -57,10 +59,12 @@ constexpr double kLeastReadRetryMs = 200, kMostReadRetryMs = 600;
 absl::Status AdmitByReadDelay(StorageBacklog::Clock::duration waited, double lot,
                               const ServerLimits& limits) {
   const double waited_ms = Ms(waited).count(), most_ms = limits.max_read_delay_ms;
-  const double refused_part = (waited_ms / most_ms - kReadDelayBegins) / (1 - kReadDelayBegins);
-  if (waited_ms == 0 || lot >= refused_part) return absl::OkStatus();
+  if (most_ms == 0) return absl::OkStatus();
+  const double part = (waited_ms / most_ms - kReadDelayBegins) / (1 - kReadDelayBegins);
+  const double refused_part = std::min(part, kMostRefusedPart);
+  if (lot >= refused_part) return absl::OkStatus();
   // Of those that are refused the lots are spread over [0, refused_part).
-  const double spread = lot / std::min(refused_part, 1.0);
+  const double spread = lot / refused_part;
   return TooMuch("OVERLOADED",
                  absl::StrCat("found requests read ", static_cast<int64_t>(waited_ms),
                               " ms after they came, need at most ", limits.max_read_delay_ms),

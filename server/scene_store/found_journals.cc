@@ -45,9 +45,12 @@ FoundJournals FoundJournals::Unknown(absl::Status why) {
 }
 
 const FoundJournals::Journal* FoundJournals::Find(const std::string& id) const {
-  const auto found = std::find_if(journals_.begin(), journals_.end(),
-                                  [&](const Journal& journal) { return journal.id == id; });
-  return found == journals_.end() ? nullptr : &*found;
+  // A sound copy may have been put beside a damaged one.
+  const Journal* found = nullptr;
+  for (const Journal& journal : journals_) {
+    if (journal.id == id && (!found || !found->status.ok())) found = &journal;
+  }
+  return found;
 }
 
 absl::StatusOr<std::vector<CommitRecord>> FoundJournals::NewerThan(const SceneFile& file) const {

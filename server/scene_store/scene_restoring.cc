@@ -198,6 +198,7 @@ JournalNeed SceneStorage::NeedOf(const std::string& scene_id, const std::string&
   if (file) {
     need.named = file->journal();
     need.head = file->head().revision;
+    if (need.incarnation.empty()) need.incarnation = file->identity().incarnation;
     return need;
   }
   auto named = SceneFile::NamedJournal(path, options_.database);

@@ -81,22 +81,20 @@ void SceneStore::TakeIn(RestoredScene restored) {
 }
 
 void SceneStore::RestoreAgain() {
-  std::vector<std::string> ids;
-  {
-    std::lock_guard lock(mutex_);
-    for (const auto& [id, refusal] : refused_) {
-      if (refusal.is_for_now && changing_.insert(id).second) ids.push_back(id);
+  for (const auto& [id, reason] : Refused()) {
+    {
+      std::lock_guard lock(mutex_);
+      const auto refused = refused_.find(id);
+      if (refused == refused_.end() || !refused->second.is_for_now) continue;
+      if (!changing_.insert(id).second) continue;
     }
-  }
-  if (ids.empty()) return;
-  for (RestoredScene& restored : storage_->RestoreAgain(ids, blobs_, limits_.scene)) {
-    const std::string id = restored.scene_id;
-    TakeIn(std::move(restored));
+    for (RestoredScene& restored : storage_->RestoreAgain({id}, blobs_, limits_.scene)) {
+      TakeIn(std::move(restored));
+    }
     std::lock_guard lock(mutex_);
+    changing_.erase(id);
     if (entries_.contains(id)) storage_->logger().Info("scene_is_back", {{"scene", id}});
   }
-  std::lock_guard lock(mutex_);
-  for (const std::string& id : ids) changing_.erase(id);
 }
 
 // Who uploaded them is not written down. What a scene needs counts for who made it.
@@ -153,8 +151,14 @@ absl::StatusOr<SceneInfo> SceneStore::CreateReserved(const std::string& scene_id
 absl::Status SceneStore::Delete(const std::string& scene_id) {
   {
     std::lock_guard lock(mutex_);
-    const bool is_there = entries_.contains(scene_id) || refused_.contains(scene_id);
-    if (!is_there || !changing_.insert(scene_id).second) return Unknown(scene_id);
+    const bool is_refused = refused_.contains(scene_id);
+    if (!is_refused && !entries_.contains(scene_id)) return Unknown(scene_id);
+    if (!changing_.insert(scene_id).second) {
+      return is_refused ? FieldError(absl::StatusCode::kUnavailable, "BUSY", "scene_id",
+                                     absl::StrCat("found '", scene_id,
+                                                  "', which is being read again, need to wait"))
+                        : Unknown(scene_id);
+    }
   }
   const absl::Status status = DeleteReserved(scene_id);
   if (status.ok()) owners_.Drop(scene_id);

@@ -240,7 +240,7 @@ absl::Status DataDirectory::PutAside(const std::string& scene_id,
   const auto all = AllSceneFiles();
   if (!all.ok()) return all.status();
   const auto found = all->find(scene_id);
-  if (found == all->end()) return absl::OkStatus();
+  if (found == all->end() && journals.empty()) return absl::OkStatus();
   const std::string folder = path_ + "/removed";
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return FileError(folder, errno);
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -257,7 +257,8 @@ absl::Status DataDirectory::PutAside(const std::string& scene_id,
       }
     }
   }
-  for (const uint64_t number : found->second) {
+  const auto numbers = found == all->end() ? std::vector<uint64_t>() : found->second;
+  for (const uint64_t number : numbers) {
     for (const char* suffix : kFileSuffixes) {
       const std::string file = ScenePath(scene_id, number) + suffix;
       const std::string aside = absl::StrCat(stem, number, kDatabaseSuffix, suffix);

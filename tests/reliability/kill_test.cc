@@ -16,6 +16,7 @@
 
 #include "proto/convert/scene_convert.h"
 #include "proto/convert/status_convert.h"
+#include "render/scene/retry_delay.h"
 #include "tests/integration/service/studio.h"
 #include "tests/support/daemon.h"
 #include "tests/support/temporary_folder.h"
@@ -67,6 +68,10 @@ class KillTest : public ::testing::Test {
       const auto response = session.Read();
       if (!response) return;
       const v1::CommitResult& result = response->commit_result();
+      if (const auto delay_ms = RetryDelayMs(FromProto(result.error()))) {
+        std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(*delay_ms));
+        continue;
+      }
       EXPECT_FALSE(result.has_error()) << result.error().message();
       std::lock_guard lock(mutex_);
       acknowledged_[scene].push_back({result.revision(), result.content_hash()});

@@ -37,10 +37,12 @@ class HeldThreads {
       caller.StartCall();
     }
     // Until all that there are are held: no more come.
-    int before = -1;
-    for (int now = 0; now != before || now == 0; now = service_.held()) {
+    int before = 0;
+    for (int unchanged = 0; unchanged < 3;) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      const int now = service_.held();
+      unchanged = now == before && now > 0 ? unchanged + 1 : 0;
       before = now;
-      std::this_thread::sleep_for(std::chrono::milliseconds(200));
     }
   }
   ~HeldThreads() {

@@ -40,14 +40,14 @@ TEST(ReadDelayTest, IsNoneWhereFewAsk) {
   EXPECT_EQ(delay.Now(), Clock::duration::zero()) << "200 a second are no load";
 }
 
-TEST(ReadDelayTest, IsNoneWhereThereIsTime) {
+TEST(ReadDelayTest, IsShortWhereThereIsTime) {
   ReadDelay delay;
-  int found = 0;
-  for (int i = 0; i < 21; ++i) {
+  int late = 0;
+  for (int i = 0; i < 150; ++i) {
     Ask(delay);
-    found += delay.Now() > Clock::duration::zero();
+    late += delay.Now() >= milliseconds(6);
   }
-  EXPECT_LT(found, 10) << "on a machine that does other things besides";
+  EXPECT_LT(late, 75) << "on a machine that does other things besides";
 }
 
 TEST(ReadDelayTest, GrowsWhileNobodyReadsAndIsGoneAgain) {
@@ -61,9 +61,6 @@ TEST(ReadDelayTest, GrowsWhileNobodyReadsAndIsGoneAgain) {
     EXPECT_GE(some, milliseconds(100)) << "what is still under way counts";
     std::this_thread::sleep_for(milliseconds(100));
     EXPECT_GE(delay.Now(), some + milliseconds(90));
-    held.LetGo();
-    std::this_thread::sleep_for(milliseconds(50));
-    EXPECT_GE(delay.Now(), some) << "it was long, and is known for some moments";
   }
   std::this_thread::sleep_for(milliseconds(1'500));
   EXPECT_EQ(delay.Now(), Clock::duration::zero());
