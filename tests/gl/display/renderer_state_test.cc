@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tests/gl/display/thin_renderer_fixture.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra {
 namespace {
@@ -78,7 +79,7 @@ TEST_F(ThinRendererTest, GoesOnWithANewContextAfterALoss) {
   context_->SimulateLoss();
   const auto lost = renderer_->Render(*context_, *SceneOf(delta), {}, kFront, kSquare);
   EXPECT_EQ(lost.status().code(), absl::StatusCode::kUnavailable);
-  auto fresh = gl::Context::Create({.device = "software"});
+  auto fresh = gl::Context::Create({.device = TestDevice()});
   ASSERT_TRUE(fresh.ok()) << fresh.status();
   context_ = *std::move(fresh);
   EXPECT_EQ(Render(delta).pixels, before.pixels);

@@ -7,13 +7,14 @@
 #include <utility>
 
 #include "render/gl/context.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra {
 
 class SoftwareContextTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    auto context = gl::Context::Create({.device = "software"});
+    auto context = gl::Context::Create({.device = TestDevice()});
     ASSERT_TRUE(context.ok()) << context.status();
     context_ = *std::move(context);
   }

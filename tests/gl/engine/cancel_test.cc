@@ -12,6 +12,7 @@
 #include "render/engine/gl_job.h"
 #include "render/gl/framebuffer.h"
 #include "tests/gl/engine/gl_specs.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra::testing {
 namespace {
@@ -59,7 +60,7 @@ class GlCancelTest : public ::testing::TestWithParam<size_t> {
 
   tbb::task_arena arena_{2};
   std::unique_ptr<gl::Worker> worker_ =
-      gl::Worker::Create({.context = {.device = "software", .now_ms = NowMs}}).value();
+      gl::Worker::Create({.context = {.device = TestDevice(), .now_ms = NowMs}}).value();
 };
 
 TEST_P(GlCancelTest, IsHeardOfWithin100Ms) {

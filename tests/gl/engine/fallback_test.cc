@@ -10,6 +10,7 @@
 #include "render/gl/lazy_worker.h"
 #include "render/scene/field_error.h"
 #include "tests/gl/engine/gl_specs.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra::testing {
 namespace {
@@ -38,7 +39,7 @@ class GlFallbackTest : public ::testing::Test {
   std::atomic<int> left_ = 0;
   std::atomic<gl::Fault> fault_ = gl::Fault::kLost;
   std::atomic<double> now_ms_ = 0;
-  gl::LazyWorker worker_{{.context = {.device = "software",
+  gl::LazyWorker worker_{{.context = {.device = TestDevice(),
                                       .now_ms = [this] { return now_ms_.load(); },
                                       .inject_fault =
                                           [this](std::string_view what) {
@@ -106,7 +107,7 @@ TEST_F(GlFallbackTest, AfterThreeTheCpuComputesAllAndAfterTenMinutesGlAgain) {
 }
 
 TEST_F(GlFallbackTest, MoreGpuMemoryThanThereMayBeIsRefusedByName) {
-  gl::LazyWorker small({.context = {.device = "software", .max_memory_bytes = 4096}});
+  gl::LazyWorker small({.context = {.device = TestDevice(), .max_memory_bytes = 4096}});
   LocalEngine engine({.gl_worker = [&] { return small.Get(); }});
   ASSERT_TRUE(engine.CreateScene("s").ok());
   ASSERT_TRUE(engine.Commit("s", BallOverFloor(40)).ok());

@@ -13,6 +13,7 @@
 #include "render/gl/lazy_worker.h"
 #include "tests/gl/engine/gl_specs.h"
 #include "tests/support/random_scene.h"
+#include "tests/support/test_device.h"
 #include "tests/unit/engine/scripted_technique.h"
 
 namespace penumbra::testing {
@@ -82,11 +83,11 @@ std::map<std::string, std::string> FinalBits(gl::LazyWorker& worker, int runners
 }
 
 TEST(GlLossesTest, TwentyUnderConcurrentJobsChangeNoBit) {
-  gl::LazyWorker undisturbed({.context = {.device = "software"}});
+  gl::LazyWorker undisturbed({.context = {.device = TestDevice()}});
   const auto expected = FinalBits(undisturbed, 1);
   Losses losses(20);
   gl::LazyWorker lossy(
-      {.context = {.device = "software",
+      {.context = {.device = TestDevice(),
                    // So slow that no three of them fall into ten minutes.
                    .now_ms = [&] { return 5 * kMinuteMs * losses.count(); },
                    .inject_fault = [&](std::string_view what) { return losses.At(what); }}});

@@ -18,6 +18,7 @@
 #include "tests/support/nearest_depth.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/shapes.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra::testing {
 namespace {
@@ -185,7 +186,7 @@ TEST_F(GlDepthSourceTest, ViewsThatAreTooLargeAreRefusedByName) {
 
 TEST(LostContextTest, IsAnErrorNotACrash) {
   const auto scene = RandomScene(1);
-  auto context = gl::Context::Create({.device = "software"});
+  auto context = gl::Context::Create({.device = TestDevice()});
   ASSERT_TRUE(context.ok()) << context.status();
   GlDepthSource source(*scene, **context, "a.method");
   const auto views = SampledViews(*scene, 1, 16);

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "render/gl/buffer.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra::gl {
 namespace {
@@ -67,7 +68,7 @@ TEST(DisplayDeathTest, NoDriverIsAnErrorAndNotACrash) {
 }
 
 TEST(ContextTest, TellsWhatItRunsOn) {
-  const auto context = Context::Create({.device = "software"});
+  const auto context = Context::Create({.device = TestDevice()});
   ASSERT_TRUE(context.ok()) << context.status();
   const ContextInfo& info = (*context)->info();
   EXPECT_TRUE(info.is_software);
@@ -81,7 +82,7 @@ TEST(ContextTest, TellsWhatItRunsOn) {
 }
 
 TEST(ContextTest, OtherThreadsAreRefused) {
-  const auto context = Context::Create({.device = "software"});
+  const auto context = Context::Create({.device = TestDevice()});
   ASSERT_TRUE(context.ok()) << context.status();
   absl::Status status;
   std::thread([&] { status = (*context)->MakeCurrent(); }).join();
@@ -91,7 +92,7 @@ TEST(ContextTest, OtherThreadsAreRefused) {
 }
 
 TEST(ContextTest, ALossIsSeenByEveryCheck) {
-  const auto context = Context::Create({.device = "software"});
+  const auto context = Context::Create({.device = TestDevice()});
   ASSERT_TRUE(context.ok()) << context.status();
   EXPECT_TRUE((*context)->Check("drawing").ok());
   (*context)->SimulateLoss();
@@ -102,7 +103,7 @@ TEST(ContextTest, ALossIsSeenByEveryCheck) {
 }
 
 TEST(ContextTest, ObjectsAreCountedAndMayOutliveTheirContext) {
-  auto context = Context::Create({.device = "software"});
+  auto context = Context::Create({.device = TestDevice()});
   ASSERT_TRUE(context.ok()) << context.status();
   auto kept = Buffer::Create(**context, 16);
   ASSERT_TRUE(kept.ok()) << kept.status();
@@ -118,8 +119,8 @@ TEST(ContextTest, ObjectsAreCountedAndMayOutliveTheirContext) {
 }
 
 TEST(ContextTest, ObjectsOfOneContextDoNotTouchAnother) {
-  auto first = Context::Create({.device = "software"});
-  auto second = Context::Create({.device = "software"});
+  auto first = Context::Create({.device = TestDevice()});
+  auto second = Context::Create({.device = TestDevice()});
   ASSERT_TRUE(first.ok() && second.ok());
   EXPECT_NE((*first)->serial(), (*second)->serial());
   const uint32_t word = 0x12345678;

@@ -11,6 +11,7 @@
 #include "render/gl/buffer.h"
 #include "render/gl/program.h"
 #include "render/gl/worker.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra::gl {
 namespace {
@@ -25,7 +26,7 @@ class FaultTest : public ::testing::Test {
   void SetUp() override {
     auto worker = Worker::Create(
         {.context = {
-             .device = "software",
+             .device = TestDevice(),
              .max_memory_bytes = 1000,
              .now_ms = [this] { return now_ms_.load(); },
              .inject_fault =

@@ -8,6 +8,7 @@
 #include "render/gl/framebuffer.h"
 #include "render/gl/readback.h"
 #include "tests/gl/display/software_context.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra::gl {
 namespace {
@@ -17,7 +18,7 @@ using ::testing::HasSubstr;
 class MemoryTest : public SoftwareContextTest {
  protected:
   void UseBytes(size_t bytes) {
-    context_ = Context::Create({.device = "software", .max_memory_bytes = bytes}).value();
+    context_ = Context::Create({.device = TestDevice(), .max_memory_bytes = bytes}).value();
   }
 
   // With as many objects and bytes as before.
@@ -80,7 +81,7 @@ TEST_F(MemoryTest, BuffersCountUntilTheyGo) {
 }
 
 TEST_F(MemoryTest, MayOutliveItsContext) {
-  auto context = Context::Create({.device = "software", .max_memory_bytes = 64}).value();
+  auto context = Context::Create({.device = TestDevice(), .max_memory_bytes = 64}).value();
   auto kept = Buffer::Create(*context, 64);
   ASSERT_TRUE(kept.ok());
   context.reset();

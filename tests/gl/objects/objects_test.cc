@@ -11,6 +11,7 @@
 #include "render/gl/query.h"
 #include "render/gl/texture.h"
 #include "render/gl/vertex_array.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra::gl {
 namespace {
@@ -29,7 +30,7 @@ void main() { color = paint * kGain; })";
 class ObjectsTest : public testing::Test {
  protected:
   void SetUp() override {
-    auto context = Context::Create({.device = "software"});
+    auto context = Context::Create({.device = TestDevice()});
     ASSERT_TRUE(context.ok()) << context.status();
     context_ = *std::move(context);
   }

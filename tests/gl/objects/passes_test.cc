@@ -8,6 +8,7 @@
 #include "render/gl/lazy_worker.h"
 #include "render/gl/readback.h"
 #include "tests/gl/display/software_context.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra::gl {
 namespace {
@@ -112,7 +113,7 @@ TEST_F(PassesTest, ReadbackKnowsOneAndFourChannels) {
 TEST_F(PassesTest, ALostContextIsToldWhileReading) {
   auto target = Framebuffer::Create(*context_, {.width = 2, .height = 1, .has_depth = false});
   ASSERT_TRUE(target.ok());
-  auto lost = Context::Create({.device = "software"}).value();
+  auto lost = Context::Create({.device = TestDevice()}).value();
   auto other = Framebuffer::Create(*lost, {.width = 2, .height = 1, .has_depth = false});
   auto readback = Readback::Start(*lost, *other, {0, 0, 2, 1}, 4);
   ASSERT_TRUE(readback.ok());
@@ -122,7 +123,7 @@ TEST_F(PassesTest, ALostContextIsToldWhileReading) {
 
 TEST_F(PassesTest, WhatIsKeptGoesWithTheContext) {
   static constexpr char kOwner = 0, kOther = 0;
-  auto context = Context::Create({.device = "software"}).value();
+  auto context = Context::Create({.device = TestDevice()}).value();
   EXPECT_EQ(context->Kept(&kOwner), nullptr);
   const auto kept = std::make_shared<int>(5);
   context->Kept(&kOwner) = kept;
@@ -134,7 +135,7 @@ TEST_F(PassesTest, WhatIsKeptGoesWithTheContext) {
 }
 
 TEST(LazyWorkerTest, IsMadeOnceAndSaysWhyNot) {
-  LazyWorker lazy({.context = {.device = "software"}});
+  LazyWorker lazy({.context = {.device = TestDevice()}});
   const auto worker = lazy.Get();
   ASSERT_TRUE(worker.ok()) << worker.status();
   EXPECT_EQ(lazy.Get().value(), *worker);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/gl/buffer.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra::gl {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 
 WorkerOptions Software(size_t max_queued = 64) {
-  return {.context = {.device = "software"}, .max_queued = max_queued};
+  return {.context = {.device = TestDevice()}, .max_queued = max_queued};
 }
 
 TEST(WorkerTest, RunsJobsInOrderOnOneThreadOfItsOwn) {

@@ -9,6 +9,7 @@
 #include "render/technique/shadow_width/distance_exact.h"
 #include "render/technique/shadow_width/distance_steps_cpu.h"
 #include "tests/gl/display/software_context.h"
+#include "tests/support/test_device.h"
 #include "tests/unit/shadow_width/distance_masks.h"
 
 namespace penumbra::testing {
@@ -150,7 +151,7 @@ TEST_P(DistanceStepsTest, AStopIsHeardAndWhatIsNoMaskRefused) {
 
 TEST_P(DistanceStepsTest, ALostContextIsTold) {
   const OwnedMask mask(20, 20, true);
-  auto lost = gl::Context::Create({.device = "software"}).value();
+  auto lost = gl::Context::Create({.device = TestDevice()}).value();
   lost->SimulateLoss();
   EXPECT_EQ(DistanceBySteps(*lost, mask.View(), GetParam(), {}).status().code(),
             absl::StatusCode::kUnavailable);

@@ -10,6 +10,7 @@
 #include "render/scene/field_error.h"
 #include "tests/gl/soft_texture/gl_scenes.h"
 #include "tests/support/shapes.h"
+#include "tests/support/test_device.h"
 
 namespace penumbra::testing {
 namespace {
@@ -77,7 +78,7 @@ class GlEngineTest : public ::testing::Test {
     return {.gl_worker = [this] { return worker_.Get(); }};
   }
 
-  gl::LazyWorker worker_{{.context = {.device = "software"}}};
+  gl::LazyWorker worker_{{.context = {.device = TestDevice()}}};
   std::vector<uint32_t> passes_;
 };
 
