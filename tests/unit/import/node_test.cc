@@ -115,9 +115,9 @@ TEST(Nodes, CamerasLookAlongMinusZ) {
 
 TEST(Nodes, CamerasWithoutAnUprightAreLeftOut) {
   for (const char* node :
-       {R"({"camera": 0, "scale": [1, 0, 1]})", R"({"camera": 0, "scale": [1, 1, 1e-170]})",
-        R"({"camera": 0, "matrix": [1,0,0,0, 0.07,0.14,0.21,0, 0.1,0.2,0.3,0, 0,0,0,1]})"}) {
-    GltfFile file = WithNodes(("[" + std::string(node) + "]").c_str());
+       {R"([{"camera": 0, "scale": [1, 0, 1]}])", R"([{"camera": 0, "scale": [1, 1, 1e-170]}])",
+        R"([{"camera": 0, "matrix": [1,0,0,0, 0.07,0.14,0.21,0, 0.1,0.2,0.3,0, 0,0,0,1]}])"}) {
+    GltfFile file = WithNodes(node);
     file.document["cameras"] =
         json::parse(R"([{"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1}}])");
     const auto scene = file.Import();
