@@ -31,7 +31,9 @@ class HeldThreads {
     server_ = builder.BuildAndStart();
     grpc::GenericStub stub(grpc::CreateChannel("127.0.0.1:" + std::to_string(port),
                                                grpc::InsecureChannelCredentials()));
+    const grpc::Slice byte("?", 1);
     for (Caller& caller : callers_) {
+      caller.request = grpc::ByteBuffer(&byte, 1);
       stub.PrepareUnaryCall(&caller.context, "/hold", {}, &caller.request, &caller.response,
                             &caller);
       caller.StartCall();

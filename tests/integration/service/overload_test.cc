@@ -206,8 +206,7 @@ class BusyProcessorTest : public ::testing::Test {
     for (int i = 0; i < times; ++i) {
       v1::SessionRequest request;
       request.mutable_commit()->set_commit_id(sent_++);
-      *request.mutable_commit()->mutable_delta() =
-          ToProto(MoveBox({0.01f * static_cast<float>(sent_), 1, 0}));
+      request.mutable_commit()->mutable_delta();  // of nothing
       parts_.Send(request);
     }
     while (const auto response = parts_.Next()) {
