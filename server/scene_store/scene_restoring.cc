@@ -1,5 +1,6 @@
 // What a storage finds when a server starts: scenes' files, and journals with their newest commits.
 
+#include <filesystem>
 #include <set>
 #include <utility>
 
@@ -161,6 +162,8 @@ RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t n
     restored.status = std::move(status);
     return std::move(restored);
   };
+  std::error_code ignored;
+  if (std::filesystem::is_symlink(path, ignored)) return refuse(Damaged("a link, not a file"));
   if (!file.ok()) return refuse(file.status());
   if ((*file)->identity().scene_id != scene_id) return refuse(Damaged("another scene's file"));
   auto newer = journals.NewerThan(**file);
