@@ -13,6 +13,14 @@
 namespace penumbra {
 namespace {
 
+// A link will not be a file some day, as a disk that fails may be read.
+absl::StatusOr<std::unique_ptr<SceneFile>> OpenFound(const std::string& path,
+                                                     const DatabaseOptions& options) {
+  std::error_code ignored;
+  if (std::filesystem::is_symlink(path, ignored)) return Damaged("a link, not a file");
+  return SceneFile::Open(path, options);
+}
+
 // The store's blobs, and those on disk that are not in it yet.
 class LoadedBlobs : public BlobSource {
  public:
@@ -155,15 +163,13 @@ RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t n
                                          const FoundJournals& journals, BlobStore& blobs,
                                          const SceneLimits& limits) {
   const std::string path = directory_->ScenePath(scene_id, number);
-  auto file = SceneFile::Open(path, options_.database);
+  auto file = OpenFound(path, options_.database);
   RestoredScene restored{.scene_id = scene_id,
                          .need = NeedOf(scene_id, path, file.ok() ? file->get() : nullptr)};
   const auto refuse = [&](absl::Status status) {
     restored.status = std::move(status);
     return std::move(restored);
   };
-  std::error_code ignored;
-  if (std::filesystem::is_symlink(path, ignored)) return refuse(Damaged("a link, not a file"));
   if (!file.ok()) return refuse(file.status());
   if ((*file)->identity().scene_id != scene_id) return refuse(Damaged("another scene's file"));
   auto newer = journals.NewerThan(**file);
