@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <utility>
 
 #include "render/math/parallel_for.h"
 #include "render/technique/shadow_width/distance_kernel.h"
@@ -77,9 +78,11 @@ class Strips {
 }  // namespace
 
 absl::StatusOr<std::vector<float>> DistanceToLit(const BlockedMask& mask, tbb::task_arena& arena,
-                                                 const std::stop_token& stop) {
+                                                 const std::stop_token& stop,
+                                                 std::vector<float> reused) {
   if (absl::Status status = CheckMask(mask); !status.ok()) return status;
-  std::vector<float> distances(size_t{mask.width} * mask.height);
+  std::vector<float> distances = std::move(reused);
+  distances.resize(size_t{mask.width} * mask.height);
   Strips strips(mask);
   std::atomic<bool> is_stopped = false;
   const auto unless_stopped = [&](const auto& work) {

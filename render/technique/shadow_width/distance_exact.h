@@ -22,7 +22,8 @@ namespace penumbra {
 // Squares are exact; one becomes a float and then its root, each rounded once, the former only from
 // 2²⁴. The same bits for any number of threads and any instruction set.
 //
-// Shapes  H×W → H·W, row by row
+// Shapes  H×W → H·W, row by row; in the memory of `reused`, where that is large enough: the kernel
+//         takes longer to find 16 MB than these distances do
 // Units   texels, which are square
 // Errors  kInvalidArgument: as CheckMask; kCancelled: stop requested, asked once for 32 rows
 // Cost    O(W·H) for masks of wide shadows, with a logarithm of W at worst
@@ -30,6 +31,7 @@ namespace penumbra {
 //         envelopes of parabolas after Felzenszwalb and Huttenlocher 2012; departs: see
 //         distance_row-inl.h
 absl::StatusOr<std::vector<float>> DistanceToLit(const BlockedMask& mask, tbb::task_arena& arena,
-                                                 const std::stop_token& stop);
+                                                 const std::stop_token& stop,
+                                                 std::vector<float> reused = {});
 
 }  // namespace penumbra

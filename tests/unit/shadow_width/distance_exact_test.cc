@@ -180,6 +180,19 @@ TEST(DistanceExactTest, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
+TEST(DistanceExactTest, WritesOverAllOfTheMemoryThatIsReused) {
+  tbb::task_arena arena(2);
+  Dice dice(5);
+  for (int trial = 0; trial < 20; ++trial) {
+    const OwnedMask mask = RandomMask(dice, 1 + dice.Below(100), 1 + dice.Below(100));
+    const std::vector<float> expected = Distances(mask, 2);
+    for (const size_t size : {size_t{0}, expected.size() / 2, expected.size(), size_t{20'000}}) {
+      std::vector<float> reused(size, -7.0f);
+      EXPECT_EQ(DistanceToLit(mask.View(), arena, {}, std::move(reused)).value(), expected);
+    }
+  }
+}
+
 TEST(DistanceExactTest, AStopIsHeard) {
   const OwnedMask mask(64, 64, true);
   tbb::task_arena arena(2);
