@@ -15,7 +15,7 @@
 #include "server/metrics/job_notes.h"
 #include "server/metrics/metrics_collector.h"
 #include "server/metrics/metrics_endpoint.h"
-#include "server/read_delay.h"
+#include "server/processor_admission.h"
 #include "server/results/result_origin.h"
 #include "server/results/stored_results.h"
 #include "server/security/blob_access.h"
@@ -121,7 +121,7 @@ struct PenumbraServer::Parts {
   StreamTable streams{engine, stream_services};
   PresenceTable presence;
   SceneUpdates updates{limits.max_message_bytes};
-  ReadDelay read_delay;
+  ProcessorAdmission processor{limits};
   SessionTable sessions{limits, quotas};
   TransferLanes transfers;
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
@@ -133,7 +133,7 @@ struct PenumbraServer::Parts {
                                                     .presence = presence,
                                                     .updates = updates,
                                                     .quotas = quotas,
-                                                    .read_delay = read_delay,
+                                                    .processor = processor,
                                                     .limits = limits,
                                                     .counters = counters,
                                                     .ledger = ledger},
@@ -153,7 +153,7 @@ struct PenumbraServer::Parts {
 
 MetricsGauges PenumbraServer::Parts::Gauges() const {
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - started;
-  const std::chrono::duration<double> read_delay_s = read_delay.Now();
+  const std::chrono::duration<double> read_delay_s = processor.read_delay().Now();
   const v1::GlInfo gl = GlInfoOf(gl_worker);
   MetricsGauges gauges{.engine = engine.statistics(),
                        .results = engine.result_statistics(),

@@ -34,6 +34,7 @@ constexpr std::chrono::milliseconds kInterval{5};
 constexpr std::chrono::milliseconds kMemory{250};
 // Where so many have not come for so long they are few.
 constexpr std::chrono::milliseconds kFewSince{50};
+constexpr ReadDelay::Clock::duration kLongest = std::chrono::seconds(1);
 // A message that takes longer is late. One may be: a thread had to wait for its turn on a
 // processor, which does not take kTurn.
 constexpr std::chrono::milliseconds kLate{6};
@@ -112,6 +113,7 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
     }
     void OnDone(const grpc::Status&) override {
       callbacks_.Take();
+      loop_.OnBroken();
       std::lock_guard lock(mutex_);
       is_done_ = true;
       changed_.notify_all();
@@ -203,7 +205,7 @@ ReadDelay::ReadDelay() : loop_(Loop::Open()) {}
 ReadDelay::~ReadDelay() = default;
 
 double ReadDelay::OnRequest() {
-  const uint64_t number = ++requests_;
+  uint64_t number = ++requests_;
   if (loop_ && number % kRequestsForOne == 0) {
     const auto now = Clock::now();
     if (now - eighth_.exchange(now) <= kMostForThem) {
@@ -211,15 +213,19 @@ double ReadDelay::OnRequest() {
       loop_->Send(now);
     }
   }
-  // Multiples of the golden ratio, modulo 1.
-  return static_cast<double>(number * 0x9E3779B97F4A7C15u >> 11) * 0x1p-53;
+  // SplitMix64, of Steele, Lea and Flood 2014. No sequence that is more even: where clients take
+  // turns, every one of them would draw nearly the same number for a long time.
+  number *= 0x9E3779B97F4A7C15u;
+  number = (number ^ number >> 30) * 0xBF58476D1CE4E5B9u;
+  number = (number ^ number >> 27) * 0x94D049BB133111EBu;
+  return static_cast<double>((number ^ number >> 31) >> 11) * 0x1p-53;
 }
 
 ReadDelay::Clock::duration ReadDelay::Now() const {
   if (!loop_) return Clock::duration::zero();
   const auto delay = loop_->Now();
-  // Many came a while ago, and few since.
-  const bool is_past = Clock::now() - many_.load() > kFewSince + delay;
+  // Many came a while ago, and few since: they may wait with the message, but not for ever.
+  const bool is_past = Clock::now() - many_.load() > kFewSince + std::min(delay, kLongest);
   return is_past ? Clock::duration::zero() : delay;
 }
 

@@ -26,8 +26,7 @@ class ReadDelay {
   ReadDelay();
   ~ReadDelay();
 
-  // Returns the request's lot, in [0, 1): those of requests that follow one another are spread
-  // evenly.
+  // Returns the request's lot, in [0, 1).
   double OnRequest();
 
   // What the last message took, or the one under way is taking, for a second after two in a row or

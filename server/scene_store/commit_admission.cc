@@ -48,20 +48,23 @@ absl::Status AdmitToScene(uint64_t bytes, const SceneBacklog& scene, const Serve
 
 // From this part of the limit on some commits are refused, and of more the nearer it is.
 constexpr double kReadDelayBegins = 0.1;
-// Long enough that few who are refused hold back most of what comes, and spread: those who are
-// refused together are not to come back together.
+// Whoever sends less than this part of what others do is refused less often. Not 1: those who are
+// told to wait send by fits and starts.
+constexpr double kMuchLess = 0.5;
 // Not all: whoever comes again and again is let in, whoever else sends how much.
 constexpr double kMostRefusedPart = 0.95;
+// Long enough that few who are refused hold back most of what comes, and spread: those who are
+// refused together are not to come back together.
 constexpr double kLeastReadRetryMs = 200, kMostReadRetryMs = 600;
 
 }  // namespace
 
-absl::Status AdmitByReadDelay(StorageBacklog::Clock::duration waited, double lot,
+absl::Status AdmitByReadDelay(StorageBacklog::Clock::duration waited, double lot, double share,
                               const ServerLimits& limits) {
   const double waited_ms = Ms(waited).count(), most_ms = limits.max_read_delay_ms;
   if (most_ms == 0) return absl::OkStatus();
   const double part = (waited_ms / most_ms - kReadDelayBegins) / (1 - kReadDelayBegins);
-  const double refused_part = std::min(part, kMostRefusedPart);
+  const double refused_part = std::min(part, kMostRefusedPart) * std::min(share / kMuchLess, 1.0);
   if (lot >= refused_part) return absl::OkStatus();
   // Of those that are refused the lots are spread over [0, refused_part).
   const double spread = lot / refused_part;

@@ -31,12 +31,13 @@ absl::Status AdmitCommit(const CommitRequest& request, const SceneBacklog& scene
                          const StorageBacklog& all, const ServerLimits& limits,
                          StorageBacklog::Clock::time_point now);
 
-// `waited` is how long requests wait at present until they are read, and `lot` in [0, 1) is drawn
-// for this one: as the wait comes near its limit, ever more are refused. They are told to wait for
+// `waited` is how long requests wait at present until they are read, `lot` in [0, 1) is drawn for
+// this one, and `share` is its sender's, of RequestShares: as the wait comes near its limit, ever
+// more are refused, and of those who send much less than others fewer. They are told to wait for
 // different times: those who were refused together would come back together.
 //
 // Errors  kResourceExhausted OVERLOADED, with a retry delay
-absl::Status AdmitByReadDelay(StorageBacklog::Clock::duration waited, double lot,
+absl::Status AdmitByReadDelay(StorageBacklog::Clock::duration waited, double lot, double share,
                               const ServerLimits& limits);
 
 }  // namespace penumbra

@@ -71,6 +71,17 @@ SceneStore::Recalled SceneStore::FirstAnswer(const std::string& scene_id,
   return Recall(**found, idempotency_key, fingerprint);
 }
 
+bool SceneStore::HasCommit(const std::string& scene_id, const std::string& idempotency_key) const {
+  if (idempotency_key.empty()) return false;
+  const auto found = Find(scene_id);
+  if (!found.ok()) return false;
+  std::lock_guard lock((*found)->mutex);
+  return (*found)->answers.contains(idempotency_key) ||
+         std::ranges::any_of((*found)->pending, [&](const std::shared_ptr<Pending>& pending) {
+           return pending->request.idempotency_key == idempotency_key;
+         });
+}
+
 void SceneStore::Commit(const std::string& scene_id, CommitRequest request,
                         std::weak_ptr<const SceneWatcher> author, CommitCallback done) {
   const auto found = Find(scene_id);

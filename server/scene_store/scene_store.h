@@ -73,6 +73,9 @@ class SceneStore {
                                                            const std::string& idempotency_key,
                                                            const ContentHash& fingerprint);
 
+  // Whether a commit with this key is in, or on its way to the disk.
+  bool HasCommit(const std::string& scene_id, const std::string& idempotency_key) const;
+
   // Calls `done` once, before or after it returns, on any thread: then the commit is on disk and
   // watchers other than `author` have been told, or nothing has changed.
   // Errors  those of Engine::Commit; kInvalidArgument REQUEST_ID_REUSED, BAD_ID;

@@ -127,9 +127,11 @@ void Session::OnCommit(const v1::Commit& commit, const absl::Status& allowed) {
     replies_.push_back(reply);
   }
   if (!allowed.ok()) return AnswerCommit(*reply, allowed);
-  const double lot = services_.read_delay.OnRequest();
-  const absl::Status admitted = AdmitByReadDelay(services_.read_delay.Now(), lot, services_.limits);
-  if (!admitted.ok()) return AnswerCommit(*reply, admitted);
+  const auto admitted = services_.processor.AdmitCommit(caller_.identity().name, this);
+  // What is in already, or on its way, is answered: a refusal says that nothing has changed.
+  if (!admitted.ok() && !services_.scenes.HasCommit(scene_id_, commit.idempotency_key())) {
+    return AnswerCommit(*reply, admitted);
+  }
   Apply(commit, [weak = weak_from_this(), reply](const absl::StatusOr<CommitOutcome>& outcome) {
     if (const auto session = weak.lock()) session->AnswerCommit(*reply, outcome);
   });

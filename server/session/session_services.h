@@ -3,8 +3,8 @@
 
 #include "server/counters.h"
 #include "server/limits.h"
+#include "server/processor_admission.h"
 #include "server/quota/principal_quotas.h"
-#include "server/read_delay.h"
 #include "server/scene_store/blob_store.h"
 #include "server/scene_store/scene_store.h"
 #include "server/security/blob_access.h"
@@ -24,7 +24,7 @@ struct SessionServices {
   PresenceTable& presence;
   SceneUpdates& updates;
   PrincipalQuotas& quotas;
-  ReadDelay& read_delay;
+  ProcessorAdmission& processor;
   const ServerLimits& limits;
   ServerCounters& counters;
   SessionLedger& ledger;

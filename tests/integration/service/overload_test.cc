@@ -202,10 +202,11 @@ class BusyProcessorTest : public ::testing::Test {
     while (parts_.Next()) {
     }
   }
-  void Commit(int times) {
+  void Commit(int times, const std::string& key = {}) {
     for (int i = 0; i < times; ++i) {
       v1::SessionRequest request;
       request.mutable_commit()->set_commit_id(sent_++);
+      request.mutable_commit()->set_idempotency_key(key);
       request.mutable_commit()->mutable_delta();  // of nothing
       parts_.Send(request);
     }
@@ -239,6 +240,32 @@ TEST_F(BusyProcessorTest, WhileRequestsWaitToBeReadCommitsAreRefused) {
   std::this_thread::sleep_for(std::chrono::milliseconds(1'500));
   Commit(1);
   EXPECT_EQ(answers_[64], absl::OkStatus()) << "and all is as before";
+}
+
+// Row C21.
+TEST_F(BusyProcessorTest, AndOfThoseWhoSendLittleFew) {
+  const int another = 0;
+  for (int i = 0; i < 20'000; ++i) parts_.processor().shares().OnRequest("another", &another);
+  HeldThreads held;
+  for (int i = 0; i < 20'000; ++i) parts_.processor().shares().OnRequest("another", &another);
+  Commit(32);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  Commit(32);
+  ASSERT_EQ(answers_.size(), 64u);
+  int refused = 0;
+  for (const auto& [id, error] : answers_) refused += !error.ok();
+  EXPECT_LE(refused, 4);
+}
+
+// What has come through already: "refused" would say that it has not.
+TEST_F(BusyProcessorTest, ACommitThatIsSentAgainIsAnsweredAsItWas) {
+  Commit(1, "key");
+  ASSERT_EQ(answers_[0], absl::OkStatus());
+  HeldThreads held;
+  Commit(32);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  Commit(32, "key");
+  for (uint64_t id = 33; id < 65; ++id) EXPECT_EQ(answers_[id], absl::OkStatus()) << id;
 }
 
 // Row C20.

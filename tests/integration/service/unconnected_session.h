@@ -64,6 +64,7 @@ class UnconnectedSession {
   Session& session() { return *session_; }
   PrincipalQuotas& quotas() { return quotas_; }
   const std::string& principal() const { return principal_; }
+  ProcessorAdmission& processor() { return processor_; }
   KeptLog& log() { return log_; }
   std::shared_ptr<PresenceRoom> room(const v1::Welcome& welcome) {
     return presence_.RoomOf(welcome.incarnation());
@@ -86,7 +87,7 @@ class UnconnectedSession {
   StreamTable streams_{engine_, stream_services_};
   PresenceTable presence_;
   SceneUpdates updates_{limits_.max_message_bytes};
-  ReadDelay read_delay_;
+  ProcessorAdmission processor_{limits_};
   const SessionServices services_{.scenes = scenes_,
                                   .blobs = blobs_,
                                   .blob_access = blob_access_,
@@ -94,7 +95,7 @@ class UnconnectedSession {
                                   .presence = presence_,
                                   .updates = updates_,
                                   .quotas = quotas_,
-                                  .read_delay = read_delay_,
+                                  .processor = processor_,
                                   .limits = limits_,
                                   .counters = counters_,
                                   .ledger = ledger_};
