@@ -7,6 +7,7 @@
 
 #include "client/session/blob_transfer.h"
 #include "client/session/call_status.h"
+#include "client/session/message_room.h"
 #include "client/session/server_connection.h"
 #include "proto/archive/archive_file_reader.h"
 #include "proto/archive/archive_file_writer.h"
@@ -20,7 +21,6 @@ namespace {
 
 // Of the bytes of a delta in one message at most, which leaves room for the rest.
 constexpr size_t kChunkBytes = 256u << 10;
-constexpr size_t kMessageOverheadBytes = 1024;
 // Blobs that have just been uploaded may go before the scene is there that names them, on a server
 // that is full.
 constexpr int kTries = 3;
@@ -92,7 +92,7 @@ class RecordStream {
   RecordStream(grpc::ClientWriter<v1::ImportSceneRequest>& writer, const std::string& scene_id,
                size_t max_bytes)
       : writer_(writer),
-        max_bytes_(std::max(max_bytes, 2 * kMessageOverheadBytes) - kMessageOverheadBytes),
+        max_bytes_(RoomInMessage(max_bytes)),
         chunk_bytes_(std::min(kChunkBytes, max_bytes_ / 2)) {
     message_.set_scene_id(scene_id);
   }

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/session/call_status.h"
+#include "client/session/message_room.h"
 #include "client/session/server_connection.h"
 #include "proto/convert/geometry_convert.h"
 #include "render/scene/field_error.h"
@@ -17,8 +18,6 @@ namespace {
 
 // Large enough that the framing costs nothing, small enough that progress is seen.
 constexpr size_t kChunkBytes = 512 * 1024;
-// What a chunk's message needs beside its bytes.
-constexpr size_t kMessageOverheadBytes = 1024;
 constexpr size_t kHashesPerRequest = 1024;
 constexpr uint64_t kMaxBlobBytes = uint64_t{1} << 30;
 
@@ -26,10 +25,9 @@ size_t LimitOr(uint64_t told, size_t wanted) {
   return told == 0 ? wanted : static_cast<size_t>(std::min<uint64_t>(told, wanted));
 }
 
-// A server whose messages are too small for any chunk refuses the first one.
 size_t ChunkBytes(uint64_t max_message_bytes) {
-  const size_t message = LimitOr(max_message_bytes, kChunkBytes + kMessageOverheadBytes);
-  return std::max(message, 2 * kMessageOverheadBytes) - kMessageOverheadBytes;
+  if (max_message_bytes == 0) return kChunkBytes;
+  return std::min(kChunkBytes, RoomInMessage(max_message_bytes));
 }
 
 class FetchedBlobs : public BlobSource {
