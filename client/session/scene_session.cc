@@ -185,13 +185,13 @@ absl::Status SceneSession::ReportView(const std::optional<View>& view) {
     if (absl::Status status = CheckView(*view); !status.ok()) return status;
     *request.mutable_view_report()->mutable_camera() = ToProto(*view);
   }
+  // OK while the session lives: what this link is not told the next one is.
   {
     std::lock_guard lock(mutex_);
     view_ = view;
-    if (!is_connected_) return absl::OkStatus();  // it will be told
+    if (!is_connected_) return end_reason_;
   }
-  // Of a link that has just broken the reader will know: the next one is told, or there is none.
-  if (Send(request) || !has_ended_) return absl::OkStatus();
+  Send(request);
   std::lock_guard lock(mutex_);
   return end_reason_;
 }

@@ -7,11 +7,14 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "client/session/scene_presence.h"
+#include "client/session/scene_session.h"
+#include "client/session/server_connection.h"
 #include "google/rpc/error_details.pb.h"
 #include "proto/convert/status_convert.h"
 #include "render/scene/field_error.h"
@@ -89,6 +92,16 @@ TEST_F(HostileServerTest, WhoeverWasTooSlowGoesOn) {
   }
   EXPECT_THAT(events(), ::testing::ElementsAre(ConnectionEvent::Kind::kLost,
                                                ConnectionEvent::Kind::kRestored));
+}
+
+// Its stream may not have come to its end yet.
+TEST_F(HostileServerTest, AViewIsNotReportedToASessionThatIsBeingEnded) {
+  HostileServer server([](HostileServer::Stream& stream, int) { return Listen(stream); });
+  const auto connection = ServerConnection::Open({.address = server.address()}).value();
+  const auto session = SceneSession::Open(*connection, "studio").value();
+  EXPECT_EQ(session->ReportView(std::nullopt), absl::OkStatus());
+  session->End(absl::NotFoundError("the scene was deleted"));
+  EXPECT_EQ(session->ReportView(std::nullopt).code(), absl::StatusCode::kNotFound);
 }
 
 TEST_F(HostileServerTest, AChangeWhoseEndNeverComesEndsTheMirror) {
