@@ -1,5 +1,6 @@
 #include "client/session/mirrored_scene.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -24,21 +25,43 @@ bool IsTooLong(const v1::SceneDelta& delta, const SceneLimits& limits) {
   return items > 2 * (limits.max_instances + limits.max_lights + limits.max_receivers);
 }
 
+// Twice what a full scene takes.
+uint64_t MostBytes(const SceneLimits& limits) {
+  // Of an instance, a light or a receiver besides its two ids and its polygon: 150 at most, and 60
+  // of a piece of its own.
+  constexpr uint64_t kObjectBytes = 512;
+  constexpr uint64_t kVertexBytes = 12;
+  // Whatever limits a server tells of; with the usual ones it is 200 MiB.
+  constexpr uint64_t kMostBytes = uint64_t{1} << 30;
+  const uint64_t objects = limits.max_instances + limits.max_lights + limits.max_receivers;
+  const uint64_t vertices = limits.max_receivers * limits.max_polygon_vertices;
+  const uint64_t bytes = objects * (kObjectBytes + 2 * limits.max_id_bytes);
+  return std::min(2 * (bytes + vertices * kVertexBytes), kMostBytes);
+}
+
 }  // namespace
 
 MirroredScene::MirroredScene(const std::string& scene_id, BlobTransfer& blobs)
     : blobs_(blobs), scene_(Scene::Empty(scene_id)) {}
 
 bool MirroredScene::Push(v1::SceneUpdate update) {
-  std::lock_guard lock(mutex_);
+  update.DiscardUnknownFields();
   const bool is_continued = update.is_continued();
+  const uint64_t bytes = update.ByteSizeLong();
+  std::lock_guard lock(mutex_);
   if (pieces_) {
     pieces_->mutable_delta()->MergeFrom(update.delta());
+    pieces_->set_is_continued(is_continued);
+    pieces_bytes_ += bytes;
   } else {
     pieces_ = std::move(update);
+    pieces_bytes_ = bytes;
   }
   // What is too long is not waited for: to apply it fails.
-  if (is_continued && !IsTooLong(pieces_->delta(), blobs_.scene_limits())) return false;
+  const SceneLimits& limits = blobs_.scene_limits();
+  if (is_continued && !IsTooLong(pieces_->delta(), limits) && pieces_bytes_ <= MostBytes(limits)) {
+    return false;
+  }
   pushed_revision_ = pieces_->revision();
   pushed_hash_ = pieces_->content_hash();
   has_content_ = true;
@@ -135,7 +158,7 @@ absl::Status MirroredScene::Apply(const v1::SceneUpdate& update) {
     return OutOfStep(absl::StrCat("found a change from revision ", update.from_revision(),
                                   ", need one from ", before->revision()));
   }
-  if (IsTooLong(update.delta(), blobs_.scene_limits())) {
+  if (update.is_continued() || IsTooLong(update.delta(), blobs_.scene_limits())) {
     return OutOfStep("found a change of more than a scene may hold");
   }
   const auto fetched = blobs_.Fetch(update.delta(), stop_.get_token());

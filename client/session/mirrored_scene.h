@@ -7,6 +7,7 @@
 // Pushing never waits. Applying may, for meshes that have to be fetched.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -86,7 +87,8 @@ class MirroredScene {
   mutable std::mutex mutex_;  // guards the rest
   std::deque<Event> events_;
   std::optional<v1::SceneUpdate> pieces_;  // of a change that goes on
-  bool is_catching_up_ = false;            // a job is going to, or does
+  uint64_t pieces_bytes_ = 0;
+  bool is_catching_up_ = false;  // a job is going to, or does
   bool has_content_ = false;
   Revision pushed_revision_ = 0;  // where the events pushed so far lead to
   std::string pushed_hash_;       // the content hash there

@@ -15,7 +15,10 @@
 #include "client/session/scene_presence.h"
 #include "client/session/scene_session.h"
 #include "client/session/server_connection.h"
+#include "google/protobuf/unknown_field_set.h"
 #include "google/rpc/error_details.pb.h"
+#include "proto/convert/geometry_convert.h"
+#include "proto/convert/scene_convert.h"
 #include "proto/convert/status_convert.h"
 #include "render/scene/field_error.h"
 #include "tests/integration/session/remote_engine_fixture.h"
@@ -120,6 +123,64 @@ TEST_F(HostileServerTest, AChangeWhoseEndNeverComesEndsTheMirror) {
   const auto scene = engine->Snapshot("studio");
   EXPECT_EQ(scene.status().code(), absl::StatusCode::kDataLoss) << scene.status();
   EXPECT_THAT(std::string(scene.status().message()), HasSubstr("more than a scene may hold"));
+}
+
+// Whose scenes are small.
+class SmallScenesServer final : public HostileServer {
+ public:
+  using HostileServer::HostileServer;
+
+  grpc::Status GetServerInfo(grpc::ServerContext*, const v1::GetServerInfoRequest*,
+                             v1::GetServerInfoResponse* response) override {
+    SceneLimits limits;
+    limits.max_instances = 4;
+    limits.max_lights = limits.max_receivers = 1;
+    limits.max_id_bytes = 8;
+    limits.max_polygon_vertices = 3;
+    WriteSceneLimits(limits, *response->mutable_limits());
+    return grpc::Status::OK;
+  }
+};
+
+// A few objects, of more bytes than any have.
+TEST_F(HostileServerTest, AChangeOfTooManyBytesEndsTheMirror) {
+  SmallScenesServer server([](HostileServer::Stream& stream, int) {
+    v1::SessionResponse response;
+    v1::SceneUpdate& update = *response.mutable_scene_update();
+    update.set_is_snapshot(true);
+    update.set_is_continued(true);
+    update.mutable_delta()->add_remove_instances(std::string(2'000, 'a'));
+    for (int i = 0; i < 4 && stream.Write(response); ++i) {
+    }
+    return Listen(stream);
+  });
+  const auto engine = Connect(server, 0);
+  const auto scene = engine->Snapshot("studio");
+  EXPECT_EQ(scene.status().code(), absl::StatusCode::kDataLoss) << scene.status();
+  EXPECT_THAT(std::string(scene.status().message()), HasSubstr("more than a scene may hold"));
+}
+
+// A newer server may say more than this client knows of.
+TEST_F(HostileServerTest, WhatNobodyKnowsIsNoPartOfAChange) {
+  SmallScenesServer server([](HostileServer::Stream& stream, int) {
+    v1::SessionResponse response;
+    v1::SceneUpdate& update = *response.mutable_scene_update();
+    update.set_is_snapshot(true);
+    update.set_is_continued(true);
+    update.set_content_hash(ToProto(Scene::Empty("studio")->content_hash()));
+    v1::SceneDelta& delta = *update.mutable_delta();
+    delta.GetReflection()->MutableUnknownFields(&delta)->AddLengthDelimited(
+        1'000, std::string(2'000, 'a'));
+    for (int i = 0; i < 8 && stream.Write(response); ++i) {
+    }
+    update.set_is_continued(false);
+    stream.Write(response);
+    return Listen(stream);
+  });
+  const auto engine = Connect(server, 0);
+  const auto scene = engine->Snapshot("studio");
+  ASSERT_EQ(scene.status(), absl::OkStatus());
+  EXPECT_TRUE((*scene)->instances().empty());
 }
 
 TEST_F(HostileServerTest, ACrowdThatNoSceneHoldsEndsTheSession) {
