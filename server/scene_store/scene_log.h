@@ -32,6 +32,8 @@ struct SceneLogOptions {
   DatabaseOptions database{};
   // How often blobs that nothing needs are looked for, and how long they have been unused then.
   std::chrono::seconds house_interval{600};
+  // How often scenes that cannot be read for now are looked at again.
+  std::chrono::seconds refused_interval{5};
 };
 
 // Any thread may use it; calls wait for one another, and for the disk. None reads more at a time

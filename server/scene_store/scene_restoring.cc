@@ -97,16 +97,17 @@ std::vector<RestoredScene> SceneStorage::RestoreAgain(const std::vector<std::str
     std::lock_guard lock(mutex_);
     kept_journals_.erase(scene_id);
   }
-  Tell(restored);
+  Tell(restored, /*again=*/true);
   return restored;
 }
 
-void SceneStorage::Tell(const std::vector<RestoredScene>& restored) {
+void SceneStorage::Tell(const std::vector<RestoredScene>& restored, bool again) {
   for (const RestoredScene& scene : restored) {
     const std::string error(scene.status.message());
     if (scene.status.ok()) {
       Note(*scene.log, scene.scene->revision());
     } else if (scene.is_for_now()) {
+      if (again) continue;  // it has been told
       logger_.Warning("scene_unavailable", {{"scene", scene.scene_id}, {"error", error}});
     } else {
       // It is left as it is.

@@ -151,9 +151,26 @@ absl::Status SceneStorage::PutAside(const std::string& scene_id) {
   return WriteHeadsNow();
 }
 
-void SceneStorage::KeepHouse(std::function<void()> housekeeping) {
+void SceneStorage::KeepHouse(std::chrono::seconds interval, std::function<void()> chore) {
   std::lock_guard lock(mutex_);
-  housekeeping_ = std::move(housekeeping);
+  chores_.push_back({.interval = interval, .task = std::move(chore)});
+}
+
+// With mutex_ locked.
+void SceneStorage::PostChores() {
+  const auto now = std::chrono::steady_clock::now();
+  for (Chore& chore : chores_) {
+    if (chore.is_under_way || now - chore.begun < chore.interval) continue;
+    chore.begun = now;
+    chore.is_under_way = true;
+    history_lane_.Post(kHousekeeper, [this, &chore] { Do(chore); });
+  }
+}
+
+void SceneStorage::Do(Chore& chore) {
+  chore.task();
+  std::lock_guard lock(mutex_);
+  chore.is_under_way = false;
 }
 
 void SceneStorage::Note(const SceneLog& log, Revision revision) {
@@ -195,12 +212,8 @@ void SceneStorage::RestLogs() {
 
 void SceneStorage::WriteHeadsLater() {
   std::unique_lock lock(mutex_);
-  auto kept_house = std::chrono::steady_clock::now();
   while (!noted_.wait_for(lock, kHeadsInterval, [this] { return is_ending_; })) {
-    if (housekeeping_ && std::chrono::steady_clock::now() - kept_house >= options_.house_interval) {
-      kept_house = std::chrono::steady_clock::now();
-      history_lane_.Post(kHousekeeper, housekeeping_);
-    }
+    PostChores();
     if (!std::exchange(are_logs_resting_, true)) lane().Post([this] { RestLogs(); });
     if (!are_heads_new_) continue;
     lock.unlock();

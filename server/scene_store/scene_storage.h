@@ -5,7 +5,9 @@
 //   auto log = (*storage)->Create("studio");
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -57,6 +59,7 @@ class SceneStorage {
   BlobFiles& blob_files() { return blob_files_; }
   std::string owners_path() const { return directory_->owners_path(); }
   std::string results_path() const { return directory_->results_path(); }
+  const SceneLogOptions& options() const { return options_; }
   Logger& logger() { return logger_; }
   // For commits on their way to the disk: several at a time.
   WorkerPool::Lane& lane() { return workers_.lane(0); }
@@ -83,8 +86,8 @@ class SceneStorage {
   // Of a scene that cannot be served: its file is moved aside, with the journals that it needs.
   absl::Status PutAside(const std::string& scene_id);
 
-  // What is done now and then, on the lane for histories, until Stop.
-  void KeepHouse(std::function<void()> housekeeping);
+  // What is done now and then, on the lane for histories, until Stop. Once at a time.
+  void KeepHouse(std::chrono::seconds interval, std::function<void()> chore);
 
   // Commits of several scenes at a time go there.
   SharedJournal& journals() { return journals_; }
@@ -93,6 +96,13 @@ class SceneStorage {
   void Note(const SceneLog& log, Revision revision);
 
  private:
+  struct Chore {
+    std::chrono::seconds interval;
+    std::function<void()> task;
+    std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
+    bool is_under_way = false;
+  };
+
   SceneStorage(std::unique_ptr<DataDirectory> directory, const SceneLogOptions& options,
                Logger& logger);
   FoundJournals ReadJournals();
@@ -104,13 +114,15 @@ class SceneStorage {
   std::optional<KnownHead> Known(const std::string& scene_id);
   static absl::Status MakeLast(SceneFile& file, const std::vector<CommitRecord>& newer);
   absl::Status CheckAgainstHeads(const SceneIdentity& identity, Revision revision);
-  void Tell(const std::vector<RestoredScene>& restored);
+  void Tell(const std::vector<RestoredScene>& restored, bool again = false);
   absl::StatusOr<std::vector<uint64_t>> KeptJournals(const std::string& scene_id);
   std::shared_ptr<SceneLog> Log(std::unique_ptr<SceneFile> file);
   absl::Status ReadHeadsFile();
   absl::Status WriteHeadsNow();
   void WriteHeadsLater();
   void RestLogs();
+  void PostChores();
+  void Do(Chore& chore);
 
   const std::unique_ptr<DataDirectory> directory_;
   const SceneLogOptions options_;
@@ -126,7 +138,7 @@ class SceneStorage {
   std::map<std::string, std::vector<uint64_t>> kept_journals_;  // of refused scenes, by id
   bool are_heads_new_ = false;
   bool is_ending_ = false;
-  std::function<void()> housekeeping_;  // null: none
+  std::deque<Chore> chores_;  // stay where they are
   std::vector<std::weak_ptr<SceneLog>> logs_;
   bool are_logs_resting_ = false;  // a task is going to see to them, or does
 

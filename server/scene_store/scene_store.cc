@@ -8,6 +8,7 @@
 #include "proto/convert/geometry_convert.h"
 #include "proto/convert/scene_convert.h"
 #include "render/scene/field_error.h"
+#include "render/scene/retry_delay.h"
 #include "server/random_bytes.h"
 #include "server/scene_store/history_reading.h"
 #include "server/scene_store/scene_entry.h"
@@ -59,11 +60,10 @@ void SceneStore::Restore() {
     TakeIn(std::move(restored));
   }
   owners_.KeepOnly(known);
+  storage_->KeepHouse(storage_->options().refused_interval, [this] { RestoreAgain(); });
   // Blobs that nobody has used since the last time.
-  storage_->KeepHouse([this] {
-    RestoreAgain();
-    CollectBlobs(limits_.unused_blob_lifetime).IgnoreError();
-  });
+  storage_->KeepHouse(storage_->options().house_interval,
+                      [this] { CollectBlobs(limits_.unused_blob_lifetime).IgnoreError(); });
 }
 
 void SceneStore::TakeIn(RestoredScene restored) {
@@ -250,9 +250,11 @@ absl::StatusOr<std::shared_ptr<SceneStore::Entry>> SceneStore::Find(
   if (const auto refused = refused_.find(scene_id); refused != refused_.end()) {
     const auto& [why, is_for_now] = refused->second;
     if (is_for_now) {
-      return FieldError(why.code(), ErrorReason(why), "scene_id",
-                        absl::StrCat("found '", scene_id, "', which cannot be read for now (",
-                                     why.message(), "), need it to be later"));
+      return WithRetryDelay(
+          FieldError(why.code(), ErrorReason(why), "scene_id",
+                     absl::StrCat("found '", scene_id, "', which cannot be read for now (",
+                                  why.message(), "), need it to be later")),
+          1e3 * static_cast<double>(storage_->options().refused_interval.count()));
     }
     return FieldError(absl::StatusCode::kDataLoss, "DAMAGED", "scene_id",
                       absl::StrCat("found '", scene_id, "', whose file is damaged (", why.message(),

@@ -59,7 +59,7 @@ class SceneStore {
   absl::Status Delete(const std::string& scene_id);
   absl::StatusOr<std::vector<SceneInfo>> List() { return engine_.ListScenes(); }
   // Scenes that are on disk and cannot be served, with the reason. Those whose reason may pass are
-  // looked at again when house is kept.
+  // looked at again every few seconds; until then errors of theirs have a retry delay.
   std::map<std::string, absl::Status> Refused() const;
 
   // The scene as it is; `watcher` hears of everything after that until it is gone.

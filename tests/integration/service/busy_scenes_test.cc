@@ -14,6 +14,7 @@
 
 #include "proto/convert/scene_convert.h"
 #include "render/scene/field_error.h"
+#include "render/scene/retry_delay.h"
 #include "tests/support/faulty_vfs.h"
 
 namespace penumbra::testing {
@@ -27,7 +28,7 @@ class UnreadableScenesTest : public BusyScenesTest {
   // On a disk without room, which is looked at again every second.
   void RestartOn(FaultyVfs& disk) {
     options_.storage.database.vfs = disk.name();
-    options_.storage.house_interval = std::chrono::seconds(1);
+    options_.storage.refused_interval = std::chrono::seconds(1);
     disk.FailAfter(0, FaultyVfs::Call::kWrite, SQLITE_FULL);
     Restart();
   }
@@ -184,7 +185,10 @@ TEST_F(UnreadableScenesTest, D05AFullDiskAtTheStartIsNoDamageAndTheyAreBackWhenT
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(ErrorReason(refused), "DISK_FULL");
   EXPECT_THAT(refused.message(), ::testing::HasSubstr("which cannot be read for now"));
+  EXPECT_EQ(RetryDelayMs(refused).value_or(0), 1'000) << "then it is looked at again";
   EXPECT_EQ(client_->CreateScene("busy").code(), absl::StatusCode::kAlreadyExists);
+  std::this_thread::sleep_for(std::chrono::milliseconds(2'200));
+  EXPECT_EQ(logger_.All("scene_unavailable").size(), 2u) << "told once";
   disk.Heal();
   logger_.Await("scene_is_back", 2);
   ExpectAsBefore();
