@@ -1,14 +1,22 @@
 #include "server/scene_store/found_journals.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace penumbra {
 namespace {
 
+uint64_t BytesOf(const std::string& path) {
+  std::error_code error;
+  const uint64_t bytes = std::filesystem::file_size(path, error);
+  return error ? 0 : bytes;
+}
+
 FoundJournals::Journal ReadOne(uint64_t number, const std::string& path,
                                const DatabaseOptions& options) {
-  FoundJournals::Journal journal{.number = number};
+  FoundJournals::Journal journal{.number = number, .bytes = BytesOf(path) + BytesOf(path + "-wal")};
   auto found = ReadJournal(path, options);
   journal.status = found.status();
   if (found.ok()) {

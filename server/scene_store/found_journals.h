@@ -32,6 +32,7 @@ class FoundJournals {
  public:
   struct Journal {
     uint64_t number = 0;
+    uint64_t bytes = 0;   // of its files
     absl::Status status;  // of reading it; after an error there are no commits
     std::string id;       // empty: it cannot be told
     std::map<std::string, std::vector<ChainedCommit>> commits;  // by the scene's incarnation

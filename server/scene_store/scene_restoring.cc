@@ -142,9 +142,11 @@ void SceneStorage::RemoveJournals(const FoundJournals& journals,
     std::lock_guard lock(mutex_);
     kept_journals_[scene.scene_id] = std::move(by_scene);
   }
+  uint64_t kept_bytes = 0;
   for (const FoundJournals::Journal& journal : journals.all()) {
     const std::string error(journal.status.message());
     if (needed.contains(journal.number)) {
+      kept_bytes += journal.bytes;
       if (absl::IsDataLoss(journal.status)) {
         logger_.Error("journal_damaged", {{"journal", journal.number}, {"error", error}});
       }
@@ -155,6 +157,9 @@ void SceneStorage::RemoveJournals(const FoundJournals& journals,
       logger_.Info("unused_journal_removed", {{"journal", journal.number}, {"error", error}});
     }
     directory_->RemoveJournal(journal.number).IgnoreError();
+  }
+  if (!needed.empty()) {
+    logger_.Warning("journals_kept", {{"journals", needed.size()}, {"bytes", kept_bytes}});
   }
   std::lock_guard lock(mutex_);
   are_journals_known_ = true;

@@ -158,8 +158,12 @@ TEST_F(UnreadableScenesTest, D04AreRefusedWithADamagedJournalWhichIsLeftAsItIs) 
   CrashWhileBusy();
   const std::string log = Journal() + "-wal";
   const std::string bytes = Damage(log);
+  const auto kept_bytes = fs::file_size(Journal()) + bytes.size();
   for (int i = 1; i <= 2; ++i) {
     Restart();
+    auto kept = logger_.Await("journals_kept", static_cast<size_t>(i)).back();
+    EXPECT_EQ(kept["journals"], 1);
+    EXPECT_EQ(kept["bytes"], kept_bytes);
     EXPECT_EQ(logger_.Await("journal_damaged", static_cast<size_t>(i)).size(),
               static_cast<size_t>(i));
     ExpectRefused();
@@ -234,6 +238,7 @@ TEST_F(UnreadableScenesTest, ADamagedJournalThatNoSceneNeedsIsNoDamage) {
   EXPECT_EQ(removed["journal"], 7);
   EXPECT_EQ(removed["level"], "info");
   EXPECT_TRUE(logger_.All("journal_damaged").empty());
+  EXPECT_TRUE(logger_.All("journals_kept").empty());
   EXPECT_FALSE(fs::exists(unused));
 }
 
