@@ -182,6 +182,7 @@ RestoredScene SceneStorage::RestoreScene(const std::string& scene_id, uint64_t n
   if (!newer.ok()) return refuse(newer.status());
   const Revision newest = newer->empty() ? (*file)->head().revision : newer->back().revision;
   if (auto status = CheckAgainstHeads((*file)->identity(), newest); !status.ok()) {
+    restored.need = {};  // the scene's own file may be elsewhere, and name any journal
     return refuse(status);
   }
   if ((*file)->had_torn_tail()) {
@@ -211,10 +212,10 @@ JournalNeed SceneStorage::NeedOf(const std::string& scene_id, const std::string&
   JournalNeed need;
   if (const auto known = Known(scene_id)) need.incarnation = known->incarnation;
   if (file) {
-    need.named = file->journal();
-    need.head = file->head().revision;
-    if (need.incarnation.empty()) need.incarnation = file->identity().incarnation;
-    return need;
+    const std::string& incarnation = file->identity().incarnation;
+    // What an earlier scene's file tells says nothing of this one.
+    if (!need.incarnation.empty() && need.incarnation != incarnation) return {};
+    return {.named = file->journal(), .incarnation = incarnation, .head = file->head().revision};
   }
   auto named = SceneFile::NamedJournal(path, options_.database);
   if (named.ok()) need.named = *std::move(named);
