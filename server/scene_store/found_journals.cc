@@ -98,8 +98,10 @@ std::vector<uint64_t> FoundJournals::NeededBy(const JournalNeed& scene) const {
     if (journal.status.ok()) {
       is_needed |= HasNewer(journal, scene) || (!scene.named && scene.incarnation.empty());
     } else {
-      // One that does not tell its id may be the one that is missing.
-      is_needed |= !scene.named || (names_one && !is_there && journal.id.empty());
+      // One that does not tell its id may be the one that is missing, and one that cannot be read
+      // for now a sound copy of one that is damaged.
+      is_needed |= !scene.named || !absl::IsDataLoss(journal.status) ||
+                   (names_one && !is_there && journal.id.empty());
     }
     if (is_needed) needed.push_back(journal.number);
   }

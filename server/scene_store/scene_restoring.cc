@@ -65,11 +65,11 @@ std::vector<RestoredScene> SceneStorage::Restore(BlobStore& blobs, const SceneLi
     }
   }
   for (const auto& [scene_id, known] : without_file) {
+    // Its file may be elsewhere, and name any journal.
     restored.push_back({.scene_id = scene_id,
                         .status = files.ok() ? Damaged(absl::StrCat("no file, where revision ",
                                                                     known.revision, " was on disk"))
-                                             : files.status(),
-                        .need = {.named = std::string(), .incarnation = known.incarnation}});
+                                             : files.status()});
   }
   Tell(restored);
   if (files.ok() && journals.are_known()) RemoveJournals(journals, restored);

@@ -10,6 +10,7 @@
 
 #include "server/scene_store/scene_storage.h"
 #include "server/scene_store/stored_scene.h"
+#include "server/storage/durable_file.h"
 #include "tests/support/left_by_kill.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/server/logged_scenes.h"
@@ -40,6 +41,9 @@ class FoundJournalsTest : public ::testing::Test {
   }
   Revision newest() const { return acknowledged_.at("ada"); }
 
+  std::string Journal(int number) {
+    return folder_ / ("data/journals/" + std::to_string(number) + ".db");
+  }
   std::string File() { return folder_ / "data/scenes/ada~1.db"; }
   void TakeAway() { Move(File(), folder_ / "own.db"); }
   // Where the scene's own file was.
@@ -50,6 +54,11 @@ class FoundJournalsTest : public ::testing::Test {
   }
   static void Move(const std::string& from, const std::string& to) {
     for (const char* suffix : {"", "-wal"}) fs::rename(from + suffix, to + suffix);
+  }
+  static void FlipBitOf(const std::string& path) {
+    std::string bytes = ReadFileIfThere(path).value();
+    bytes[bytes.size() / 3] ^= 1;
+    ASSERT_EQ(WriteDurably(path, bytes), absl::OkStatus());
   }
 
   // What a server that starts, and ends, says of the scene.
@@ -99,6 +108,31 @@ TEST_F(FoundJournalsTest, D04AnOlderFileInItsPlaceCostsASceneNothing) {
     ExpectRefused("revision 1, where " + std::to_string(newest()) + " was on disk");
     ExpectWholeOnceItsFileIsBack();
   }
+}
+
+TEST_F(FoundJournalsTest, D04AMissingFileCostsASceneNothingOnceItIsBack) {
+  for (const int journalled : {0, 5}) {
+    SCOPED_TRACE(journalled);
+    ASSERT_NO_FATAL_FAILURE(Leave(journalled));
+    TakeAway();
+    ExpectRefused("no file, where revision " + std::to_string(newest()) + " was on disk");
+    ExpectWholeOnceItsFileIsBack();
+  }
+}
+
+// As while another process reads it.
+TEST_F(FoundJournalsTest, D04ACopyOfADamagedJournalThatCannotBeReadForNowIsKept) {
+  ASSERT_NO_FATAL_FAILURE(Leave(5));
+  for (const char* suffix : {"", "-wal"}) fs::copy_file(Journal(1) + suffix, Journal(2) + suffix);
+  ASSERT_NO_FATAL_FAILURE(FlipBitOf(Journal(1) + "-wal"));
+  {
+    auto reader = Database::Open(Journal(2), {});
+    ASSERT_EQ(reader.status(), absl::OkStatus());
+    ASSERT_EQ(reader->Check(), absl::OkStatus());  // has it to itself from here on
+    ASSERT_EQ(ReadJournal(Journal(2), {}).status().code(), absl::StatusCode::kUnavailable);
+    ExpectRefused("a journal that is damaged or gone");
+  }
+  ExpectRestored(folder_ / "data", {}, acknowledged_, /*later=*/0, "with the copy");
 }
 
 }  // namespace
