@@ -79,16 +79,11 @@ std::vector<RestoredScene> SceneStorage::Restore(BlobStore& blobs, const SceneLi
 std::vector<RestoredScene> SceneStorage::RestoreAgain(const std::vector<std::string>& scene_ids,
                                                       BlobStore& blobs, const SceneLimits& limits) {
   std::vector<RestoredScene> restored;
-  {
-    std::lock_guard lock(mutex_);
-    if (!are_journals_known_) return restored;  // at the next start
-  }
   const auto files = directory_->SceneFiles();
   if (!files.ok()) return restored;
   for (const std::string& scene_id : scene_ids) {
     const auto file = files->find(scene_id);
     if (file == files->end()) continue;
-    // Not those that are in use by now.
     const auto kept = KeptJournals(scene_id);
     if (!kept.ok()) continue;
     const auto journals = FoundJournals::Read(*directory_, *kept, options_.database);
@@ -116,12 +111,19 @@ void SceneStorage::Tell(const std::vector<RestoredScene>& restored, bool again) 
   }
 }
 
-// All that there are, where nobody knows which the scene needs.
+// All that the server has found, where nobody knows which the scene needs.
 absl::StatusOr<std::vector<uint64_t>> SceneStorage::KeptJournals(const std::string& scene_id) {
-  std::lock_guard lock(mutex_);
-  if (!are_journals_known_) return directory_->Journals();
-  const auto kept = kept_journals_.find(scene_id);
-  return kept == kept_journals_.end() ? std::vector<uint64_t>() : kept->second;
+  {
+    std::lock_guard lock(mutex_);
+    const auto kept = kept_journals_.find(scene_id);
+    if (kept != kept_journals_.end()) return kept->second;
+    if (are_journals_known_) return std::vector<uint64_t>();
+  }
+  auto numbers = directory_->Journals();
+  if (numbers.ok()) {
+    std::erase_if(*numbers, [this](uint64_t number) { return journals_.HasGiven(number); });
+  }
+  return numbers;
 }
 
 FoundJournals SceneStorage::ReadJournals() {

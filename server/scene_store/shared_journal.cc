@@ -53,7 +53,7 @@ absl::StatusOr<std::shared_ptr<JournalInUse>> SharedJournal::Make() {
   if (next_number_ == 0) {
     const auto next = directory_.NextJournal();
     if (!next.ok()) return next.status();
-    next_number_ = *next;
+    next_number_ = first_number_ = *next;
   }
   const uint64_t number = next_number_++;
   auto journal = CommitJournal::Create(directory_.JournalPath(number), RandomBytes(16), options_,
@@ -74,6 +74,11 @@ absl::Status SharedJournal::Append(JournalInUse& journal, const JournalEntries& 
   }
   if (journal.has_failed() || journal.journal_->bytes() >= kMaxBytes) Retire(journal);
   return status;
+}
+
+bool SharedJournal::HasGiven(uint64_t number) {
+  std::lock_guard lock(mutex_);
+  return first_number_ != 0 && number >= first_number_;
 }
 
 void SharedJournal::Retire(const JournalInUse& journal) {

@@ -58,6 +58,9 @@ class SharedJournal {
   // more. Not one that has failed. Errors  those of CommitJournal
   absl::Status Append(JournalInUse& journal, const JournalEntries& entries);
 
+  // Whether a journal of that number is one of its own, and not one that was there before.
+  bool HasGiven(uint64_t number);
+
  private:
   absl::StatusOr<std::shared_ptr<JournalInUse>> Make();  // with the lock held
   void Retire(const JournalInUse& journal);
@@ -71,7 +74,8 @@ class SharedJournal {
   // Of the next one; 0: not known yet. None is given twice: a journal that ends removes its files
   // while the next is made.
   uint64_t next_number_ = 0;
-  absl::Status failed_;  // why the last one could not be made
+  uint64_t first_number_ = 0;  // that it has given; 0: none yet
+  absl::Status failed_;        // why the last one could not be made
   std::chrono::steady_clock::time_point failed_at_;
 };
 

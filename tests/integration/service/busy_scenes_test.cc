@@ -33,6 +33,21 @@ class UnreadableScenesTest : public BusyScenesTest {
     Restart();
   }
 
+  // Where the folder of journals was there is none that can be read.
+  void RestartWithoutJournals() {
+    CrashWhileBusy();
+    fs::rename(folder_ / "data/journals", folder_ / "journals");
+    std::ofstream(folder_ / "data/journals") << "no folder";
+    Restart();
+    EXPECT_EQ(logger_.Await("scene_unavailable", 1)[0]["scene"], "busy");
+    EXPECT_EQ(logger_.All("journals_unreadable").size(), 1u);
+    EXPECT_EQ(client_->FindScene("quiet")->revision, 1u);
+  }
+  void PutJournalsBack() {
+    fs::remove(folder_ / "data/journals");
+    fs::rename(folder_ / "journals", folder_ / "data/journals");
+  }
+
   static std::string BytesOf(const std::string& path) {
     std::ifstream stream(path, std::ios::binary);
     return {(std::istreambuf_iterator<char>(stream)), {}};
@@ -226,6 +241,28 @@ TEST_F(UnreadableScenesTest, D05WhatIsDeletedWhileTheDiskIsFullIsPutAsideWithIts
   }
   Restart();
   ExpectAsBefore();
+}
+
+TEST_F(UnreadableScenesTest, AreBackOnceTheFolderOfJournalsCanBeRead) {
+  options_.storage.house_interval = std::chrono::seconds(1);
+  RestartWithoutJournals();
+  EXPECT_EQ(ErrorReason(EndOfSession("busy")), "STORAGE_FAILED");
+  PutJournalsBack();
+  EXPECT_EQ(logger_.Await("scene_is_back", 1)[0]["scene"], "busy");
+  ExpectAsBefore();
+  Restart();
+  ExpectAsBefore();
+  EXPECT_FALSE(fs::exists(Journal()));
+}
+
+TEST_F(UnreadableScenesTest, AreDeletedWithoutTheJournalsThatOthersHaveMadeSince) {
+  RestartWithoutJournals();
+  PutJournalsBack();
+  MakeOther();
+  DragUntilBusy();
+  ASSERT_TRUE(fs::exists(folder_ / "copy/journals/2.db"));
+  EXPECT_EQ(client_->DeleteScene("busy"), absl::OkStatus());
+  EXPECT_EQ(logger_.Await("scene_put_aside", 1)[0]["journals"], 1);
 }
 
 TEST_F(UnreadableScenesTest, ADamagedJournalThatNoSceneNeedsIsNoDamage) {
