@@ -70,6 +70,15 @@ absl::StatusOr<int> Lock(const std::string& path) {
                  "one of its own (--data-dir DIR), or none (--ephemeral: scenes live in memory)");
 }
 
+// What `file` has, if it is there, is there as `other` too, and stays when `file` goes. That takes
+// room only on file systems without hard links.
+absl::Status LinkOrCopy(const std::string& file, const std::string& other) {
+  if (::link(file.c_str(), other.c_str()) == 0 || errno == ENOENT) return absl::OkStatus();
+  if (errno != EPERM && errno != EOPNOTSUPP && errno != EMLINK) return FileError(file, errno);
+  const auto content = ReadFileIfThere(file);
+  return content.ok() ? WriteDurably(other, *content) : content.status();
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<DataDirectory>> DataDirectory::Open(const std::string& path) {
@@ -249,11 +258,9 @@ absl::Status DataDirectory::PutAside(const std::string& scene_id,
                    "-", scene_id, "~");
   for (const uint64_t number : journals) {
     for (const char* suffix : kFileSuffixes) {
-      // Another name of the same file, which takes no room and outlives the first.
-      const std::string file = JournalPath(number) + suffix;
       const std::string aside = absl::StrCat(stem, "journal-", number, kDatabaseSuffix, suffix);
-      if (::link(file.c_str(), aside.c_str()) != 0 && errno != ENOENT) {
-        return FileError(file, errno);
+      if (auto status = LinkOrCopy(JournalPath(number) + suffix, aside); !status.ok()) {
+        return status;
       }
     }
   }

@@ -1,15 +1,36 @@
 // Rows D08 and D09 of the catalogue: folders that a server does not take.
 #include "server/storage/data_directory.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "render/scene/field_error.h"
 #include "server/storage/durable_file.h"
 #include "server/storage/heads_file.h"
 #include "tests/support/temporary_folder.h"
+
+namespace {
+
+// Of a file system that gives no file another name; 0: it does.
+std::atomic<int> link_error = 0;
+
+}  // namespace
+
+// In place of the system's, for the whole program.
+extern "C" int link(const char* from, const char* to) noexcept {
+  if (link_error == 0) return ::linkat(AT_FDCWD, from, AT_FDCWD, to, 0);
+  errno = link_error;
+  return -1;
+}
 
 namespace penumbra::testing {
 namespace {
@@ -98,6 +119,27 @@ TEST(DataDirectoryTest, TheNewestFileOfAScene) {
   ASSERT_EQ(data->PutAside("d"), absl::OkStatus());
   EXPECT_TRUE(data->SceneFiles().value().empty());
   EXPECT_FALSE(fs::is_empty(folder / "data/removed"));
+}
+
+TEST(DataDirectoryTest, JournalsAreCopiedAsideWhereAFileHasOneName) {
+  const std::vector<uint64_t> journals = {3};
+  for (const int error : {0, EPERM, EOPNOTSUPP, EMLINK, EIO}) {
+    const TemporaryFolder folder;
+    const auto data = DataDirectory::Open(folder / "data").value();
+    std::ofstream(data->JournalPath(3)) << "commits";
+    std::ofstream(data->JournalPath(3) + "-wal") << "newer ones";
+    link_error = error;
+    const absl::Status status = data->PutAside("a", journals);
+    link_error = 0;
+    ASSERT_EQ(data->RemoveJournal(3), absl::OkStatus());
+    EXPECT_EQ(status.ok(), error != EIO) << status;
+    if (!status.ok()) continue;
+    std::set<std::string> aside;
+    for (const auto& file : fs::directory_iterator(folder / "data/removed")) {
+      aside.insert(ReadFileIfThere(file.path().string()).value());
+    }
+    EXPECT_EQ(aside, (std::set<std::string>{"commits", "newer ones"})) << error;
+  }
 }
 
 TEST(HeadsFileTest, SaysWhatWasWrittenOrThatItIsDamaged) {
