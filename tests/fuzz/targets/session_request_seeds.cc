@@ -22,16 +22,16 @@ Step Hello() {
   hello.set_scene_id("studio");
   hello.set_mirror_scene(true);
   hello.set_client_name("penumbra");
-  hello.mutable_resume()->set_incarnation(std::string(16, 'i'));
-  hello.mutable_resume()->set_content_hash(std::string(32, 'h'));
+  hello.mutable_resume()->set_incarnation(kIncarnation);
+  hello.mutable_resume()->set_content_hash(kContentHash);
   hello.mutable_presence()->set_display_name("Ada");
   return StepOf(request);
 }
 
-Step CommitOf(const SceneDelta& delta) {
+Step CommitOf(uint64_t id, const SceneDelta& delta) {
   v1::SessionRequest request;
-  request.mutable_commit()->set_commit_id(1);
-  request.mutable_commit()->set_idempotency_key("key-1");
+  request.mutable_commit()->set_commit_id(id);
+  request.mutable_commit()->set_idempotency_key("key-" + std::to_string(id));
   *request.mutable_commit()->mutable_delta() = ToProto(delta);
   return StepOf(request);
 }
@@ -48,6 +48,7 @@ Script Subscriptions() {
     }
     v1::SessionRequest request;
     *request.mutable_subscribe()->mutable_spec() = ToProto(spec);
+    request.mutable_subscribe()->set_subscription_id(script.size());
     request.mutable_subscribe()->set_initial_credit(4);
     script.push_back(StepOf(request));
   }
@@ -98,8 +99,8 @@ Step Counters() {
 }  // namespace
 
 std::vector<Seed> SessionRequestSeeds() {
-  return {{"hello", {Hello(), CommitOf(BoxAt(1)), Counters()}},
-          {"commits", {CommitOf(StudioDelta()), CommitOf(BoxAt(2))}},
+  return {{"hello", {Hello(), CommitOf(1, BoxAt(1)), Counters()}},
+          {"commits", {CommitOf(1, StudioDelta()), CommitOf(2, BoxAt(2))}},
           {"subscriptions", Subscriptions()},
           {"each", {SubscribeEach()}},
           {"people", People()},

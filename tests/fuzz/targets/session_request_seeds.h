@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "tests/fuzz/kit/target.h"
@@ -13,6 +14,8 @@ enum SessionKind : uint8_t { kRequest, kBytes, kSessionKinds };
 
 // What scripts call those in the room, whose ids are drawn.
 inline constexpr char kMe[] = "me", kOther[] = "other";
+// And the scene's incarnation and content hash, in so many bytes.
+inline const std::string kIncarnation(16, 'i'), kContentHash(32, 'h');
 
 std::vector<Seed> SessionRequestSeeds();
 
