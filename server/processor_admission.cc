@@ -4,10 +4,12 @@
 
 namespace penumbra {
 
-absl::Status ProcessorAdmission::AdmitCommit(const std::string& principal, const void* session) {
+absl::Status ProcessorAdmission::AdmitCommit(const std::string& principal, const void* session,
+                                             bool has_unanswered) {
   const double lot = read_delay_.OnRequest();
-  const double share = shares_.OnRequest(principal, session);
-  return AdmitByReadDelay(read_delay_.Now(), lot, share, limits_);
+  const CommitSender sender{.share = shares_.OnRequest(principal, session),
+                            .has_unanswered = has_unanswered};
+  return AdmitByReadDelay(read_delay_.Now(), lot, sender, limits_);
 }
 
 }  // namespace penumbra

@@ -1,6 +1,6 @@
 // Which commits are let in where the processor does not keep up with reading them.
 //
-//   if (auto status = processor.AdmitCommit(principal, session); !status.ok()) …
+//   if (auto status = processor.AdmitCommit(principal, session, false); !status.ok()) …
 #pragma once
 
 #include <string>
@@ -18,8 +18,9 @@ class ProcessorAdmission {
   // `limits` outlives it.
   explicit ProcessorAdmission(const ServerLimits& limits) : limits_(limits) {}
 
+  // `has_unanswered`  other commits of the session have no answer yet
   // Errors  those of AdmitByReadDelay
-  absl::Status AdmitCommit(const std::string& principal, const void* session);
+  absl::Status AdmitCommit(const std::string& principal, const void* session, bool has_unanswered);
 
   const ReadDelay& read_delay() const { return read_delay_; }
   RequestShares& shares() { return shares_; }

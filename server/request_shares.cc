@@ -33,8 +33,8 @@ void RequestShares::Counts<Sender>::Halve(int times) {
   }
 }
 
-double RequestShares::OnRequest(const std::string& principal, const void* session,
-                                Clock::time_point now) {
+RequestShare RequestShares::OnRequest(const std::string& principal, const void* session,
+                                      Clock::time_point now) {
   std::lock_guard lock(mutex_);
   if (const auto times = (now - halved_) / kHalfLife; times > 0) {
     const int most = static_cast<int>(std::min<decltype(times)>(times, kAllGone));
@@ -42,7 +42,8 @@ double RequestShares::OnRequest(const std::string& principal, const void* sessio
     sessions_.Halve(most);
     halved_ = times > kAllGone ? now : halved_ + times * kHalfLife;
   }
-  return std::min(principals_.Add(principal), sessions_.Add(session));
+  const double of_mean = std::min(principals_.Add(principal), sessions_.Add(session));
+  return {.of_mean = of_mean, .sessions = sessions_.senders()};
 }
 
 }  // namespace penumbra

@@ -2,7 +2,7 @@
 // little need not suffer for those who send without end.
 //
 //   RequestShares shares;
-//   const double share = shares.OnRequest(principal, session);   // 1: as many as others do
+//   const RequestShare share = shares.OnRequest(principal, session);
 #pragma once
 
 #include <chrono>
@@ -13,24 +13,32 @@
 
 namespace penumbra {
 
+// Of the last seconds.
+struct RequestShare {
+  // What a sender has sent, over what senders have on average: as principals or as sessions,
+  // whichever is less. So a principal gains nothing by many sessions, and a session is not taken
+  // for what others of its principal send.
+  double of_mean = 1;
+  size_t sessions = 1;  // that have sent
+};
+
 // Any thread may use it.
 class RequestShares {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Counts a request. Returns how many its sender has sent in the last seconds, over how many a
-  // sender has on average: as principals or as sessions, whichever is less. So a principal gains
-  // nothing by many sessions, and a session is not taken for what others of its principal send.
-  double OnRequest(const std::string& principal, const void* session,
-                   Clock::time_point now = Clock::now());
+  // Counts a request.
+  RequestShare OnRequest(const std::string& principal, const void* session,
+                         Clock::time_point now = Clock::now());
 
  private:
   // Requests by sender, each second half as many.
   template <typename Sender>
   class Counts {
    public:
-    double Add(const Sender& sender);  // returns the sender's share
+    double Add(const Sender& sender);  // returns the sender's part of the mean
     void Halve(int times);
+    size_t senders() const { return of_.size(); }
 
    private:
     std::map<Sender, double> of_;

@@ -46,8 +46,15 @@ absl::Status AdmitToScene(uint64_t bytes, const SceneBacklog& scene, const Serve
                       waited_ms);
 }
 
-// From this part of the limit on some commits are refused, and of more the nearer it is.
-constexpr double kReadDelayBegins = 0.1;
+// In which parts of the limit some commits are refused, the more the nearer it is to the upper end.
+struct Range {
+  double begin = 0, end = 1;
+};
+constexpr Range kOfMany{.begin = 0.1, .end = 1};
+// Of those who send one at a time no more wait than there are of them. Where that is not many, they
+// would lose more by coming back later than by waiting.
+constexpr Range kOfFew{.begin = 4, .end = 8};
+constexpr size_t kFewSessions = 64;
 // Whoever sends less than this part of what others do is refused less often. Not 1: those who are
 // told to wait send by fits and starts.
 constexpr double kMuchLess = 0.5;
@@ -59,12 +66,15 @@ constexpr double kLeastReadRetryMs = 200, kMostReadRetryMs = 600;
 
 }  // namespace
 
-absl::Status AdmitByReadDelay(StorageBacklog::Clock::duration waited, double lot, double share,
-                              const ServerLimits& limits) {
+absl::Status AdmitByReadDelay(StorageBacklog::Clock::duration waited, double lot,
+                              const CommitSender& sender, const ServerLimits& limits) {
   const double waited_ms = Ms(waited).count(), most_ms = limits.max_read_delay_ms;
   if (most_ms == 0) return absl::OkStatus();
-  const double part = (waited_ms / most_ms - kReadDelayBegins) / (1 - kReadDelayBegins);
-  const double refused_part = std::min(part, kMostRefusedPart) * std::min(share / kMuchLess, 1.0);
+  const bool is_one_of_few = !sender.has_unanswered && sender.share.sessions <= kFewSessions;
+  const Range& range = is_one_of_few ? kOfFew : kOfMany;
+  const double part = (waited_ms / most_ms - range.begin) / (range.end - range.begin);
+  const double refused_part =
+      std::min(part, kMostRefusedPart) * std::min(sender.share.of_mean / kMuchLess, 1.0);
   if (lot >= refused_part) return absl::OkStatus();
   // Of those that are refused the lots are spread over [0, refused_part).
   const double spread = lot / refused_part;

@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "server/limits.h"
+#include "server/request_shares.h"
 #include "server/scene_store/commit_request.h"
 #include "server/scene_store/storage_backlog.h"
 
@@ -31,13 +32,20 @@ absl::Status AdmitCommit(const CommitRequest& request, const SceneBacklog& scene
                          const StorageBacklog& all, const ServerLimits& limits,
                          StorageBacklog::Clock::time_point now);
 
-// `waited` is how long requests wait at present until they are read, `lot` in [0, 1) is drawn for
-// this one, and `share` is its sender's, of RequestShares: as the wait comes near its limit, ever
-// more are refused, and of those who send much less than others fewer. They are told to wait for
-// different times: those who were refused together would come back together.
+// Who sends a commit.
+struct CommitSender {
+  RequestShare share{};
+  bool has_unanswered = false;  // other requests of the session have no answer yet
+};
+
+// `waited` is how long requests wait at present until they are read, and `lot` in [0, 1) is drawn
+// for this one: as the wait comes near its limit, ever more are refused; of senders who send much
+// less than others fewer; and of few who wait for answers before they send again none until it is
+// four times the limit. They are told to wait for different times: those who were refused together
+// would come back together.
 //
 // Errors  kResourceExhausted OVERLOADED, with a retry delay
-absl::Status AdmitByReadDelay(StorageBacklog::Clock::duration waited, double lot, double share,
-                              const ServerLimits& limits);
+absl::Status AdmitByReadDelay(StorageBacklog::Clock::duration waited, double lot,
+                              const CommitSender& sender, const ServerLimits& limits);
 
 }  // namespace penumbra

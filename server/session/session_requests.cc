@@ -121,13 +121,16 @@ void Session::Apply(const v1::Commit& commit, CommitCallback done) {
 void Session::OnCommit(const v1::Commit& commit, const absl::Status& allowed) {
   const auto reply = std::make_shared<Reply>(Reply{.is_ready = false});
   reply->response.mutable_commit_result()->set_commit_id(commit.commit_id());
+  bool has_unanswered = false;
   {
     std::lock_guard lock(mutex_);
     if (end_ || closed_) return;
+    has_unanswered = !replies_.empty();
     replies_.push_back(reply);
   }
   if (!allowed.ok()) return AnswerCommit(*reply, allowed);
-  const auto admitted = services_.processor.AdmitCommit(caller_.identity().name, this);
+  const auto admitted =
+      services_.processor.AdmitCommit(caller_.identity().name, this, has_unanswered);
   // What is in already, or on its way, is answered: a refusal says that nothing has changed.
   if (!admitted.ok() && !services_.scenes.HasCommit(scene_id_, commit.idempotency_key())) {
     return AnswerCommit(*reply, admitted);

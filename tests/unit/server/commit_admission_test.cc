@@ -80,13 +80,18 @@ TEST_F(CommitAdmissionTest, WhatCameAtTheSameMomentMayPassTheLimitAndLeavesNothi
   ExpectRoom("third", 350);
 }
 
+CommitSender Sender(double of_mean, size_t sessions = 200, bool has_unanswered = true) {
+  return {.share = {.of_mean = of_mean, .sessions = sessions}, .has_unanswered = has_unanswered};
+}
+const CommitSender kOneOfMany = Sender(1);
+
 TEST_F(CommitAdmissionTest, TheLongerRequestsWaitToBeReadTheMoreAreRefused) {
-  const auto refused_of_1000 = [&](double waited_ms, double share = 1) {
+  const auto refused_of_1000 = [&](double waited_ms, const CommitSender& sender = kOneOfMany) {
     const auto waited = std::chrono::duration_cast<Clock::duration>(
         std::chrono::duration<double, std::milli>(waited_ms));
     int refused = 0;
     for (int i = 0; i < 1'000; ++i)
-      refused += !AdmitByReadDelay(waited, i / 1e3, share, limits_).ok();
+      refused += !AdmitByReadDelay(waited, i / 1e3, sender, limits_).ok();
     return refused;
   };
   EXPECT_EQ(refused_of_1000(0), 0);
@@ -94,23 +99,37 @@ TEST_F(CommitAdmissionTest, TheLongerRequestsWaitToBeReadTheMoreAreRefused) {
   EXPECT_NEAR(refused_of_1000(16.5), 500, 1);
   EXPECT_EQ(refused_of_1000(30), 950);
   EXPECT_EQ(refused_of_1000(2'000), 950) << "whoever comes again and again is let in";
-  EXPECT_EQ(refused_of_1000(30, 5), 950);
-  EXPECT_EQ(refused_of_1000(30, 0.5), 950) << "those who wait send by fits and starts";
-  EXPECT_NEAR(refused_of_1000(30, 0.05), 95, 1) << "it is not they who send so much";
-  EXPECT_NEAR(refused_of_1000(16.5, 0.05), 50, 1);
-  EXPECT_EQ(refused_of_1000(30, 0), 0);
+  EXPECT_EQ(refused_of_1000(30, Sender(5)), 950);
+  EXPECT_EQ(refused_of_1000(30, Sender(0.5)), 950) << "those who wait send by fits and starts";
+  EXPECT_NEAR(refused_of_1000(30, Sender(0.05)), 95, 1) << "it is not they who send so much";
+  EXPECT_NEAR(refused_of_1000(16.5, Sender(0.05)), 50, 1);
+  EXPECT_EQ(refused_of_1000(30, Sender(0)), 0);
+}
+
+// No more than there are of them wait.
+TEST_F(CommitAdmissionTest, OfFewWhoWaitForAnswersNoneIsRefusedForLong) {
+  const auto refused = [&](double limits, const CommitSender& sender) {
+    const auto waited = std::chrono::duration_cast<Clock::duration>(
+        limits * std::chrono::milliseconds(limits_.max_read_delay_ms));
+    return !AdmitByReadDelay(waited, 0.4, sender, limits_).ok();
+  };
+  const CommitSender one_of_few = Sender(1, 64, false);
+  EXPECT_FALSE(refused(4, one_of_few));
+  EXPECT_TRUE(refused(6, one_of_few));
+  EXPECT_TRUE(refused(1, Sender(1, 65, false))) << "of many";
+  EXPECT_TRUE(refused(1, Sender(1, 64, true))) << "who does not wait";
 }
 
 TEST_F(CommitAdmissionTest, HowLongRequestsWaitNeedNotMatter) {
   const ServerLimits limits{.max_read_delay_ms = 0};
-  EXPECT_EQ(AdmitByReadDelay(std::chrono::seconds(10), 0, 1, limits), absl::OkStatus());
+  EXPECT_EQ(AdmitByReadDelay(std::chrono::seconds(10), 0, kOneOfMany, limits), absl::OkStatus());
 }
 
 TEST_F(CommitAdmissionTest, ThoseWhoAreRefusedTogetherDoNotComeBackTogether) {
   for (const auto waited : {std::chrono::milliseconds(15), std::chrono::milliseconds(60)}) {
     std::vector<double> delays_ms;
     for (int i = 0; i < 1'000; ++i) {
-      const absl::Status status = AdmitByReadDelay(waited, i / 1e3, 1, limits_);
+      const absl::Status status = AdmitByReadDelay(waited, i / 1e3, kOneOfMany, limits_);
       if (!status.ok()) delays_ms.push_back(RetryDelayMs(status).value());
     }
     ASSERT_GT(delays_ms.size(), 100u);
@@ -119,8 +138,8 @@ TEST_F(CommitAdmissionTest, ThoseWhoAreRefusedTogetherDoNotComeBackTogether) {
       EXPECT_NEAR(delays_ms[i], 200 + 400.0 * i / delays_ms.size(), 5);
     }
   }
-  ExpectRefused(AdmitByReadDelay(std::chrono::milliseconds(31), 0, 1, limits_), "OVERLOADED",
-                "found requests read 31 ms after they came, need at most 30", 200);
+  ExpectRefused(AdmitByReadDelay(std::chrono::milliseconds(31), 0, kOneOfMany, limits_),
+                "OVERLOADED", "found requests read 31 ms after they came, need at most 30", 200);
 }
 
 TEST_F(CommitAdmissionTest, AScenesCommitsAreBoundedWhoeverTheyAreOf) {

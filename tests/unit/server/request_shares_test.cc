@@ -16,7 +16,7 @@ class RequestSharesTest : public ::testing::Test {
   double Send(int times, const std::string& principal, const int& session) {
     double share = 0;
     for (int i = 0; i < times; ++i) {
-      share = shares_.OnRequest(principal, &session, now_ += milliseconds(1));
+      share = shares_.OnRequest(principal, &session, now_ += milliseconds(1)).of_mean;
     }
     return share;
   }
@@ -56,6 +56,15 @@ TEST_F(RequestSharesTest, ManySessionsMakeNoPrincipalModest) {
 TEST_F(RequestSharesTest, ASessionIsNotTakenForAnotherOfItsPrincipal) {
   Send(500, "all", one_);
   EXPECT_LT(Send(5, "all", two_), 0.05);
+}
+
+TEST_F(RequestSharesTest, CountsWhoSends) {
+  Send(100, "ana", one_);
+  Send(1, "ana", two_);
+  const auto sessions = [&] { return shares_.OnRequest("ben", &three_, now_).sessions; };
+  EXPECT_EQ(sessions(), 3u);
+  now_ += milliseconds(3'000);
+  EXPECT_EQ(sessions(), 2u) << "one request is soon forgotten";
 }
 
 TEST_F(RequestSharesTest, WhatIsLongAgoIsForgotten) {
