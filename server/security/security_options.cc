@@ -6,11 +6,24 @@
 #include "server/listen_address.h"
 
 namespace penumbra {
+namespace {
+
+// Whoever says what tokens must be like believes that they are asked for.
+absl::Status CheckJwtRules(const AuthenticatorOptions& identities) {
+  const bool has_rules = !identities.jwt.issuer.empty() || !identities.jwt.audience.empty();
+  if (!has_rules || !identities.jwt_keys_file.empty()) return absl::OkStatus();
+  return FieldError(absl::StatusCode::kInvalidArgument, "MISSING_FIELD", "jwt-keys",
+                    "found none, need it with --jwt-issuer and --jwt-audience: without keys no "
+                    "such token is asked for");
+}
+
+}  // namespace
 
 absl::Status CheckSecurity(const SecurityOptions& options, const std::string& listen) {
   const bool has_tls = !options.tls.empty();
   if (auto status = CheckListenAddress(listen, has_tls); !status.ok()) return status;
   const auto& identities = options.identities;
+  if (auto status = CheckJwtRules(identities); !status.ok()) return status;
   const bool is_open = identities.tokens_file.empty() && identities.jwt_keys_file.empty();
   if (is_open && !IsLocalAddress(listen)) {
     return FieldError(absl::StatusCode::kInvalidArgument, "NEEDS_IDENTITIES", "listen",

@@ -32,7 +32,8 @@ struct SecurityOptions {
 // Whether the options go together with an address to listen on.
 //
 // Errors  kInvalidArgument: those of CheckListenAddress; NEEDS_IDENTITIES: other machines can reach
-//         it, and everyone would be an admin; MISSING_FIELD: --tls-client-ca without --tls-…
+//         it, and everyone would be an admin; MISSING_FIELD: --tls-client-ca without --tls-…,
+//         --jwt-issuer or --jwt-audience without --jwt-keys
 absl::Status CheckSecurity(const SecurityOptions& options, const std::string& listen);
 
 // The options of the command line. `options` must outlive the parsing.

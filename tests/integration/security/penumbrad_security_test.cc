@@ -29,6 +29,14 @@ TEST(PenumbradSecurityTest, E05OtherMachinesNeedTlsAndIdentities) {
   EXPECT_EQ(open.Wait(), EXIT_FAILURE);
 }
 
+TEST(PenumbradSecurityTest, RulesForTokensNeedTheKeysThatSignThem) {
+  for (const char* option : {"--jwt-issuer", "--jwt-audience"}) {
+    Daemon daemon({"--listen", "127.0.0.1:0", "--egl-device", "none", option, "x"});
+    EXPECT_THAT(daemon.ErrorLine(), AllOf(HasSubstr("jwt-keys: found none"), HasSubstr(option)));
+    EXPECT_EQ(daemon.Wait(), EXIT_FAILURE);
+  }
+}
+
 TEST(PenumbradSecurityTest, ATokenThatItMakesLetsInAndIsWrittenNowhere) {
   GuardedServer files({.tls = true});
   Daemon maker({"token", "--name", "ana", "--role", "editor", "--scenes", "review-*", "--days", "3",
