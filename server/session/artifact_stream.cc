@@ -123,8 +123,11 @@ absl::StatusOr<std::shared_ptr<ArtifactStream>> StreamTable::Follow(const Party&
     stream = slot.lock();
     if (!stream) slot = stream = std::make_shared<ArtifactStream>(services_);
   }
+  // Before the start: what comes of it is not what was there.
+  const bool is_computed = stream->Latest().artifact != nullptr;
   // Without the table's lock: a commit to this scene may be under way, which others need not await.
   if (auto status = stream->Start(engine_, party, scene_id, spec); !status.ok()) return status;
+  ++(is_computed ? services_.counters.cache_hits : services_.counters.cache_misses);
   const auto stake = std::make_shared<Stake>(std::move(stream), party);
   return std::shared_ptr<ArtifactStream>(stake, stake->stream.get());
 }

@@ -138,6 +138,20 @@ TEST_F(OperationsTest, E16MetricsCountWhatHappenedAndNameNobody) {
   }
 }
 
+TEST_F(OperationsTest, WhoeverSubscribesToWhatIsComputedIsAHit) {
+  ASSERT_EQ(session_->Subscribe(1, FloorSpec(), 8), absl::OkStatus());
+  session_->AwaitUpdate(1, IsFinal);
+  const std::string first = Metrics();
+  EXPECT_EQ(SampleIn(first, "penumbra_artifact_cache_lookups_total{result=\"hit\"}"), 0);
+  EXPECT_EQ(SampleIn(first, "penumbra_artifact_cache_lookups_total{result=\"miss\"}"), 1);
+  auto viewer = OpenAs("viewer");
+  ASSERT_EQ(viewer->Subscribe(1, FloorSpec(), 8), absl::OkStatus());
+  viewer->AwaitUpdate(1, IsFinal);
+  const std::string second = Metrics();
+  EXPECT_EQ(SampleIn(second, "penumbra_artifact_cache_lookups_total{result=\"hit\"}"), 1);
+  EXPECT_EQ(SampleIn(second, "penumbra_artifact_cache_lookups_total{result=\"miss\"}"), 1);
+}
+
 TEST_F(OperationsTest, TheStatusTellsOfEachSceneAndClient) {
   ASSERT_EQ(client_->CreateScene("another"), absl::OkStatus());
   auto viewer = OpenAs("viewer");
