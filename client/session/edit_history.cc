@@ -1,17 +1,43 @@
 #include "client/session/edit_history.h"
 
+#include <chrono>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/session/backoff.h"
+#include "client/session/steady_clock.h"
 #include "render/scene/field_error.h"
 #include "render/scene/scene_difference.h"
 
 namespace penumbra {
 namespace {
 
-// Others who commit at the same time make a commit on a certain revision fail. Whoever is this
-// unlucky stands in a queue of so many.
-constexpr int kMaxTries = 64;
+// Others who commit at the same time make a commit on a certain revision fail. Who of them comes
+// first next time is left to chance.
+class Retries {
+ public:
+  explicit Retries(double patience_s)
+      : patience_s_(patience_s), give_up_ms_(NowMs() + 1e3 * patience_s) {}
+
+  // OK: try again; that took a pause. Otherwise what to tell of `error`.
+  absl::Status PauseAfter(const absl::Status& error) const {
+    if (ErrorReason(error) != "STALE_BASE") return error;
+    if (NowMs() >= give_up_ms_) {
+      return FieldError(error.code(), "STALE_BASE", ErrorFieldPath(error),
+                        absl::StrCat("found that others commit faster than this could within ",
+                                     patience_s_, " s; trying again helps"));
+    }
+    // Of the order of a round trip, so that those who collided are apart.
+    constexpr double kPauseS = 0.01;
+    std::this_thread::sleep_for(std::chrono::duration<double>(Jittered(kPauseS)));
+    return absl::OkStatus();
+  }
+
+ private:
+  const double patience_s_;
+  const double give_up_ms_;
+};
 
 template <typename T>
 const T* Find(const Scene::Table<T>& table, const std::string& id) {
@@ -56,16 +82,17 @@ absl::Status CheckUnedited(const Scene& left, const Scene& now, const SceneDelta
 
 absl::StatusOr<EditHistory::Edit> EditHistory::CommitOnNewest(const SceneDelta& delta) {
   SceneDelta based = delta;
-  for (int tries = 0;; ++tries) {
+  const Retries retries(patience_s_);
+  for (;;) {
     const auto before = engine_.Snapshot(scene_id_);
     if (!before.ok()) return before.status();
     if (!delta.base_revision) based.base_revision = (*before)->revision();
     const auto revision = engine_.Commit(scene_id_, based);
-    if (ErrorReason(revision.status()) == "STALE_BASE" && !delta.base_revision &&
-        tries < kMaxTries) {
+    if (!revision.ok()) {
+      if (delta.base_revision) return revision.status();
+      if (auto status = retries.PauseAfter(revision.status()); !status.ok()) return status;
       continue;
     }
-    if (!revision.ok()) return revision.status();
     const auto after = (*before)->Apply(based);
     if (!after.ok()) return after.status();
     return Edit{*before, *after};
@@ -89,7 +116,8 @@ absl::StatusOr<Revision> EditHistory::Turn(std::deque<Edit>& from, std::deque<Ed
   }
   const Edit edit = from.back();
   SceneDelta back = Difference(*edit.after, *edit.before);
-  for (int tries = 0;; ++tries) {
+  const Retries retries(patience_s_);
+  for (;;) {
     const auto now = engine_.Snapshot(scene_id_);
     if (!now.ok()) return now.status();
     if (auto status = CheckUnedited(*edit.after, **now, back); !status.ok()) {
@@ -98,11 +126,12 @@ absl::StatusOr<Revision> EditHistory::Turn(std::deque<Edit>& from, std::deque<Ed
     }
     back.base_revision = (*now)->revision();
     const auto revision = engine_.Commit(scene_id_, back);
-    if (ErrorReason(revision.status()) == "STALE_BASE" && tries < kMaxTries) continue;
-    if (revision.ok()) {
-      from.pop_back();
-      to.push_back({edit.after, edit.before});
+    if (!revision.ok()) {
+      if (auto status = retries.PauseAfter(revision.status()); !status.ok()) return status;
+      continue;
     }
+    from.pop_back();
+    to.push_back({edit.after, edit.before});
     return revision;
   }
 }

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "absl/status/statusor.h"
+#include "client/session/remote_engine_options.h"
 #include "render/engine/engine.h"
 
 namespace penumbra {
@@ -20,12 +21,17 @@ namespace penumbra {
 // One thread at a time.
 class EditHistory {
  public:
-  // Remembers at most `max_edits`; the engine must outlive it.
-  EditHistory(Engine& engine, std::string scene_id, size_t max_edits = 100)
-      : engine_(engine), scene_id_(std::move(scene_id)), max_edits_(max_edits) {}
+  // Remembers at most `max_edits`; the engine must outlive it. Where others commit first it tries
+  // again for `patience_s`, by default as long as any other call may take.
+  EditHistory(Engine& engine, std::string scene_id, size_t max_edits = 100,
+              double patience_s = RemoteEngineOptions().call_timeout_s)
+      : engine_(engine),
+        scene_id_(std::move(scene_id)),
+        max_edits_(max_edits),
+        patience_s_(patience_s) {}
 
   // Commits and remembers. There is nothing to redo any more then.
-  // Errors  those of Engine::Commit
+  // Errors  kAborted STALE_BASE: others commit too fast; those of Engine::Commit
   absl::StatusOr<Revision> Commit(const SceneDelta& delta);
 
   // Commits the opposite of the newest edit that is not undone; and of the newest undo.
@@ -52,6 +58,7 @@ class EditHistory {
   Engine& engine_;
   const std::string scene_id_;
   const size_t max_edits_;
+  const double patience_s_;
   std::deque<Edit> done_;    // oldest first
   std::deque<Edit> undone_;  // the next to redo last
 };

@@ -1,5 +1,6 @@
 #include "client/session/edit_history.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "render/engine/local_engine.h"
@@ -15,6 +16,20 @@ SceneDelta PutBox(const std::string& id, float x) {
   delta.upsert_instances = {{.id = id, .mesh = mesh, .world_from_mesh = Placed({x, 0, 0}, 1.0f)}};
   return delta;
 }
+
+// Somebody else is faster than each of the next commits.
+class BusyEngine : public LocalEngine {
+ public:
+  absl::StatusOr<Revision> Commit(const std::string& scene_id, const SceneDelta& delta) override {
+    if (faster_commits > 0) {
+      const float x = static_cast<float>(faster_commits--);
+      EXPECT_TRUE(LocalEngine::Commit(scene_id, PutBox("theirs", x)).ok());
+    }
+    return LocalEngine::Commit(scene_id, delta);
+  }
+
+  int faster_commits = 0;
+};
 
 class EditHistoryTest : public ::testing::Test {
  protected:
@@ -86,6 +101,34 @@ TEST_F(EditHistoryTest, OldEditsAreForgotten) {
   EXPECT_TRUE(short_history.Undo().ok());
   EXPECT_TRUE(short_history.Undo().ok());
   EXPECT_FALSE(short_history.can_undo());
+}
+
+TEST(BusyEditHistoryTest, TriesAgainUntilItsCommitComesFirst) {
+  BusyEngine engine;
+  ASSERT_EQ(engine.CreateScene("studio"), absl::OkStatus());
+  EditHistory mine(engine, "studio");
+  engine.faster_commits = 80;
+  EXPECT_EQ(mine.Commit(PutBox("mine", 1)).value(), 81u);
+  engine.faster_commits = 3;
+  EXPECT_EQ(mine.Undo().value(), 85u);
+  engine.faster_commits = 3;
+  EXPECT_EQ(mine.Redo().value(), 89u);
+}
+
+TEST(BusyEditHistoryTest, WhoeverIsNeverFirstHearsWhy) {
+  BusyEngine engine;
+  ASSERT_EQ(engine.CreateScene("studio"), absl::OkStatus());
+  EditHistory mine(engine, "studio", 100, /*patience_s=*/0.05);
+  ASSERT_TRUE(mine.Commit(PutBox("mine", 1)).ok());
+  engine.faster_commits = 1'000'000;
+  for (const auto& refused : {mine.Commit(PutBox("mine", 2)), mine.Undo()}) {
+    EXPECT_EQ(refused.status().code(), absl::StatusCode::kAborted);
+    EXPECT_EQ(ErrorReason(refused.status()), "STALE_BASE");
+    EXPECT_THAT(std::string(refused.status().message()),
+                ::testing::AllOf(::testing::HasSubstr("base_revision: found that others"),
+                                 ::testing::HasSubstr("trying again helps")));
+  }
+  EXPECT_TRUE(mine.can_undo()) << "another try may come first";
 }
 
 }  // namespace
