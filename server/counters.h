@@ -31,7 +31,7 @@ struct ServerCounters {
   std::atomic<uint64_t> updates_sent{0};
   std::atomic<uint64_t> updates_skipped{0};  // newer ones took their place before they were sent
   std::atomic<uint64_t> sent_bytes{0};       // of sessions' messages, before HTTP/2
-  // Subscriptions that found their artifact computed for another one, and those that did not.
+  // Subscriptions that found their artifact computed, and those that did not.
   std::atomic<uint64_t> cache_hits{0};
   std::atomic<uint64_t> cache_misses{0};
 

@@ -28,8 +28,9 @@ std::function<void(const absl::Status&)> NoteOnce(const Console& console) {
 
 absl::StatusOr<std::unique_ptr<RemoteEngine>> ConnectTo(
     const EngineChoice& choice, std::function<void(uint64_t, uint64_t)> progress,
-    const Console* console) {
+    const Console* console, std::function<void(const ConnectionEvent&)> on_connection) {
   RemoteEngineOptions options{.address = choice.server,
+                              .on_connection = std::move(on_connection),
                               .upload_progress = std::move(progress),
                               .credentials = choice.credentials};
   if (console != nullptr) options.on_compute_quota = NoteOnce(*console);

@@ -20,13 +20,15 @@ namespace penumbra {
 // The server that was chosen, with the token of its file or of the environment's PENUMBRA_TOKEN: a
 // command line, which others on the machine can read, never has it.
 //
-//   progress  of uploads
-//   console   says once that the computing of who calls is used up; null: nobody asks
+//   progress       of uploads
+//   console        says once that the computing of who calls is used up; null: nobody asks
+//   on_connection  as in RemoteEngineOptions
 //
 // Errors  kInvalidArgument CANNOT_READ: no token in that file; those of RemoteEngine::Connect
 absl::StatusOr<std::unique_ptr<RemoteEngine>> ConnectTo(
     const EngineChoice& choice, std::function<void(uint64_t, uint64_t)> progress = nullptr,
-    const Console* console = nullptr);
+    const Console* console = nullptr,
+    std::function<void(const ConnectionEvent&)> on_connection = nullptr);
 
 // The scene as it is.
 //

@@ -153,6 +153,15 @@ absl::Status UpdatePrinter::Wait(std::stop_token stop) {
   return ended_;
 }
 
+// That it is given up is what the command ends with.
+void NoteConnection(const ConnectionEvent& event, const Console& console) {
+  if (event.kind == ConnectionEvent::Kind::kLost) {
+    console.Note("the connection is lost; what is shown is how it was");
+  } else if (event.kind == ConnectionEvent::Kind::kRestored) {
+    console.Note("the connection is back");
+  }
+}
+
 template <typename T>
 std::vector<std::string> IdsOf(const Scene::Table<T>& table) {
   std::vector<std::string> ids;
@@ -214,7 +223,9 @@ absl::Status CheckOptionsFit(const WatchCommand& command) {
 
 absl::Status Run(const WatchCommand& command, const Console& console, std::stop_token stop) {
   if (const auto status = CheckOptionsFit(command); !status.ok()) return status;
-  const auto engine = ConnectTo(command.engine, nullptr, &console);
+  const auto engine =
+      ConnectTo(command.engine, nullptr, &console,
+                [&console](const ConnectionEvent& event) { NoteConnection(event, console); });
   if (!engine.ok()) return engine.status();
   const auto scene = SceneOf(**engine, command.scene_id);
   if (!scene.ok()) return scene.status();

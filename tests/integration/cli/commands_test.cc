@@ -73,19 +73,6 @@ TEST_F(CommandsTest, PushSendsOnceAndWatchSeesEachRevision) {
   }
 }
 
-TEST_F(CommandsTest, AServerThatDiesUnderAWatchIsToldOnOneLine) {
-  const std::string address = StartServer();
-  ASSERT_EQ(Run(PushWords(address, "-1 6 -1 2 0 0 0 0 2 5")).exit_status, 0);
-  const pid_t watch = Start({"watch", "--server", address, "--scene", "studio"}, "watch");
-  ASSERT_TRUE(WaitForOutput("watch", "(final)"));
-  server_->Shutdown(std::chrono::seconds(1));
-  server_.reset();
-  const Finished watched = Wait(watch, "watch");
-  EXPECT_EQ(watched.exit_status, 1);
-  EXPECT_EQ(std::count(watched.err.begin(), watched.err.end(), '\n'), 1) << watched.err;
-  EXPECT_THAT(watched.err, AllOf(HasSubstr("penumbra: 127.0.0.1:"), HasSubstr("gone away")));
-}
-
 TEST_F(CommandsTest, PushSendsASceneThatNoCommitHolds) {
   constexpr int kObjects = 9'000;
   {
