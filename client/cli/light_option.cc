@@ -1,5 +1,8 @@
 #include "client/cli/light_option.h"
 
+#include <numbers>
+#include <string>
+#include <variant>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -12,6 +15,13 @@ namespace {
 using Numbers = std::span<const float>;
 
 constexpr float kRadiansPerDegree = 0.017453292519943295f;
+
+absl::Status WrongAngle(const LightOption& option, const char* field, float radians,
+                        const std::string& need) {
+  return FieldError(absl::StatusCode::kInvalidArgument, "RANGE",
+                    absl::StrCat(option.name, ".", field),
+                    absl::StrCat("found ", radians / kRadiansPerDegree, ", need ", need));
+}
 
 LightShape MakeRectangle(Numbers n) {
   return RectangleLight{.corner = Vec3At(n, 0),
@@ -86,6 +96,27 @@ absl::StatusOr<LightShape> ParseLight(const LightOption& option, std::string_vie
                                    least + 2, ": ", option.form));
   }
   return option.make(numbers);
+}
+
+absl::Status CheckAngles(const LightOption& option, const LightShape& shape) {
+  // Those of scene_check.cc.
+  constexpr float kLeast = 1e-4f;
+  constexpr float kMost = std::numbers::pi_v<float> / 2 + 1e-6f;
+  if (const auto* spot = std::get_if<SpotLight>(&shape)) {
+    const float outer = spot->outer_angle;
+    if (!(outer >= kLeast && outer <= kMost)) {
+      return WrongAngle(option, "outer_deg", outer, "0.006 to 90");
+    }
+    if (!(spot->inner_angle >= 0 && spot->inner_angle < outer)) {
+      return WrongAngle(option, "inner_deg", spot->inner_angle,
+                        absl::StrCat("0 to less than ", outer / kRadiansPerDegree));
+    }
+  }
+  const auto* sun = std::get_if<DistantLight>(&shape);
+  if (sun && !(sun->angular_diameter >= 0 && sun->angular_diameter <= kMost)) {
+    return WrongAngle(option, "angular_diameter_deg", sun->angular_diameter, "0 to 90");
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace penumbra

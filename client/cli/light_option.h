@@ -32,4 +32,9 @@ std::span<const LightOption> LightOptions();
 // Errors  kInvalidArgument, reasons NUMBER and NUMBER_COUNT; the field path is the option's name.
 absl::StatusOr<LightShape> ParseLight(const LightOption& option, std::string_view text);
 
+// Angles are given in degrees: what the scene would say of them in radians is said in degrees here.
+//
+// Errors  kInvalidArgument RANGE, with a field of the form: "--spot-light.inner_deg"
+absl::Status CheckAngles(const LightOption& option, const LightShape& shape);
+
 }  // namespace penumbra

@@ -143,6 +143,7 @@ absl::Status AddLight(const LightOption& option, std::string_view text,
                       std::vector<AreaLight>& lights) {
   auto shape = ParseLight(option, text);
   if (!shape.ok()) return shape.status();
+  if (auto status = CheckAngles(option, *shape); !status.ok()) return status;
   const auto is_same_kind = [&](const AreaLight& light) { return light.id.starts_with(option.id); };
   const auto before = std::ranges::count_if(lights, is_same_kind);
   std::string id = before == 0 ? option.id : absl::StrCat(option.id, "-", before + 1);

@@ -75,6 +75,23 @@ TEST(LightOptionTest, SunWithAndWithoutADiameter) {
   EXPECT_FLOAT_EQ(coloured.angular_diameter, std::numbers::pi_v<float>);
 }
 
+TEST(LightOptionTest, WrongAnglesAreToldInDegrees) {
+  const auto error = [](const std::string& name, const std::string& text) {
+    const LightOption& option = OptionOf(name);
+    return std::string(CheckAngles(option, ParseLight(option, text).value()).message());
+  };
+  EXPECT_EQ(error("--spot-light", "0 3 0  0 -1 0  10  50 30"),
+            "--spot-light.inner_deg: found 50, need 0 to less than 30");
+  EXPECT_EQ(error("--spot-light", "0 3 0  0 -1 0  10  30 30"),
+            "--spot-light.inner_deg: found 30, need 0 to less than 30");
+  EXPECT_EQ(error("--spot-light", "0 3 0  0 -1 0  10  30 91"),
+            "--spot-light.outer_deg: found 91, need 0.006 to 90");
+  EXPECT_EQ(error("--spot-light", "0 3 0  0 -1 0  10  0 90"), "");
+  EXPECT_EQ(error("--sun", "0 1 0  3  180"), "--sun.angular_diameter_deg: found 180, need 0 to 90");
+  EXPECT_EQ(error("--sun", "0 1 0  3"), "");
+  EXPECT_EQ(error("--point-light", "0 1 0  3"), "");
+}
+
 TEST(LightOptionTest, AWrongCountNamesTheForm) {
   for (const LightOption& option : LightOptions()) {
     const auto shape = ParseLight(option, "1 2");
