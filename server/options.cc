@@ -110,6 +110,12 @@ absl::Status ReadSources(const Environment& environment, std::string config,
   return config.empty() ? absl::OkStatus() : sources.ReadFile(config);
 }
 
+// What a start finds wrong with the options by themselves, without a look at any file.
+absl::Status CheckTogether(const ServerOptions& server) {
+  if (auto status = CheckSecurity(server.security, server.listen); !status.ok()) return status;
+  return ToOptions(server.quotas, /*everyone_is_known=*/true).status();
+}
+
 }  // namespace
 
 absl::StatusOr<CommandLine> ReadOptions(const std::vector<std::string>& arguments,
@@ -142,7 +148,9 @@ absl::StatusOr<CommandLine> ReadOptions(const std::vector<std::string>& argument
   command.has_data_dir = data_dir.count() > 0 && !command.server.data_dir.empty();
   // What is printed can be read again: both together are an error.
   if (command.ephemeral && !command.has_data_dir) data_dir.default_str("");
-  if (ending.prints_config) command.text = sources.Print();
+  if (!ending.prints_config) return command;
+  if (auto status = CheckTogether(command.server); !status.ok()) return status;
+  command.text = sources.Print();
   return command;
 }
 

@@ -35,7 +35,8 @@ struct CommandLine {
 // related to one another here (by CLI11's needs() and the like), since their values may come from
 // different places; whoever uses them checks that they go together.
 //
-// Errors  kInvalidArgument: the option and where its value came from
+// Errors  kInvalidArgument: the option and where its value came from; where the values are to be
+//         printed, also those of CheckSecurity and of ToOptions for quotas
 absl::StatusOr<CommandLine> ReadOptions(const std::vector<std::string>& arguments,
                                         const Environment& environment);
 

@@ -54,6 +54,13 @@ absl::Status Set(const std::string& what, double number, PrincipalQuota& quota) 
   return absl::OkStatus();
 }
 
+// A range lets pass what is no number. Empty: it is one.
+std::string SayIfNotANumber(const std::string& text) {
+  double number = 0;
+  if (absl::SimpleAtod(text, &number) && !std::isnan(number)) return {};
+  return absl::StrCat("found '", text, "', need a number");
+}
+
 }  // namespace
 
 void AddQuotaOptions(CLI::App& app, QuotaSettings& settings) {
@@ -72,7 +79,8 @@ void AddQuotaOptions(CLI::App& app, QuotaSettings& settings) {
   add("--quota-compute", settings.each.compute_s_per_minute,
       "Seconds of computing for a principal a minute, past which its jobs give way to those of "
       "others; 0: any number")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(CLI::Range(0.0, 1e6))
+      ->check(SayIfNotANumber);
   app.add_option(
          "--quota", settings.named,
          "Of one principal: NAME:WHAT=NUMBER,… with scenes, sessions, blob-bytes, compute or "
@@ -102,10 +110,10 @@ absl::StatusOr<std::pair<std::string, PrincipalQuota>> ParseNamedQuota(std::stri
 
 absl::StatusOr<QuotaOptions> ToOptions(const QuotaSettings& settings, bool everyone_is_known) {
   QuotaOptions options;
-  // A range lets pass what is no number.
   if (!(settings.each.compute_s_per_minute >= 0)) {
-    return Wrong(absl::StrCat(settings.each.compute_s_per_minute),
-                 "a number of seconds, 0 or more");
+    return FieldError(absl::StatusCode::kInvalidArgument, "RANGE", "quota-compute",
+                      absl::StrCat("found '", settings.each.compute_s_per_minute,
+                                   "', need a number of seconds, 0 or more"));
   }
   if (everyone_is_known) options.each = settings.each;
   for (const std::string& texts : settings.named) {

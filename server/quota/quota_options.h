@@ -34,7 +34,7 @@ absl::StatusOr<std::pair<std::string, PrincipalQuota>> ParseNamedQuota(std::stri
 // `everyone_is_known`: callers show who they are. Where they do not, all of them are one principal,
 // which has no quotas but those that its name is given.
 //
-// Errors  those of ParseNamedQuota; a name twice
+// Errors  those of ParseNamedQuota; a name twice; field "quota-compute": no number
 absl::StatusOr<QuotaOptions> ToOptions(const QuotaSettings& settings, bool everyone_is_known);
 
 }  // namespace penumbra

@@ -132,6 +132,22 @@ TEST_F(OptionsTest, BadValuesNameTheOptionAndItsSource) {
               AllOf(StartsWith(file + ": "), HasSubstr("--drain-seconds"), HasSubstr("-1")));
 }
 
+TEST_F(OptionsTest, WhatIsNoNumberIsNoQuota) {
+  EXPECT_THAT(ErrorOf({"--quota-compute", "nan"}),
+              AllOf(StartsWith("command line: --quota-compute: "), HasSubstr("'nan'")));
+  environment_ = {{"PENUMBRA_QUOTA_COMPUTE", "nan"}};
+  EXPECT_THAT(ErrorOf({}), StartsWith("PENUMBRA_QUOTA_COMPUTE: --quota-compute: "));
+  environment_.clear();
+  EXPECT_EQ(Read({"--quota-compute", "1e3"})->server.quotas.each.compute_s_per_minute, 1'000);
+}
+
+TEST_F(OptionsTest, WhatNoServerStartsWithIsNotPrinted) {
+  EXPECT_THAT(ErrorOf({"--print-config", "--quota", "ana:tea=1"}),
+              AllOf(StartsWith("quota: "), HasSubstr("tea=1")));
+  EXPECT_THAT(ErrorOf({"--print-config", "--jwt-issuer", "x"}), StartsWith("jwt-keys: "));
+  EXPECT_THAT(ErrorOf({"--print-config", "--listen", "0.0.0.0:0"}), StartsWith("listen: "));
+}
+
 TEST_F(OptionsTest, AValueThatIsNotUsedIsNotRead) {
   environment_ = {{"PENUMBRA_THREADS", "many"}};
   EXPECT_EQ(Read({"--threads", "1"})->server.threads, 1);

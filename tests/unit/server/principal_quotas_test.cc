@@ -108,7 +108,8 @@ TEST(QuotaOptionsTest, WhatIsNoQuotaIsRefused) {
     EXPECT_EQ(ErrorFieldPath(status), "quota") << text;
   }
   EXPECT_FALSE(ToOptions({.named = {"ana:scenes=1", "ana:scenes=2"}}, true).ok()) << "twice";
-  EXPECT_FALSE(ToOptions({.each = {.compute_s_per_minute = NAN}}, true).ok());
+  EXPECT_EQ(ErrorFieldPath(ToOptions({.each = {.compute_s_per_minute = NAN}}, true).status()),
+            "quota-compute");
 }
 
 TEST(SceneOwnersTest, AreCountedAndKept) {
