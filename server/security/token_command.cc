@@ -7,8 +7,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "render/scene/field_error.h"
+#include "render/scene/scene.h"
 #include "server/security/bearer_token.h"
 #include "server/security/identity_file.h"
+#include "server/security/role.h"
+#include "server/security/scene_scope.h"
+#include "server/security/split.h"
 
 namespace penumbra {
 namespace {
@@ -32,7 +37,22 @@ bool LacksLineEnd(const std::string& path) {
   return file.get() != '\n';
 }
 
+// By the options' names, where the file's reader would speak of a line of it.
+absl::Status Check(const TokenRequest& request) {
+  if (auto status = CheckId(request.name, "--name"); !status.ok()) return status;
+  if (!RoleNamed(request.role)) {
+    return FieldError(absl::StatusCode::kInvalidArgument, "BAD_IDENTITY", "--role",
+                      absl::StrCat("found '", request.role, "', need viewer, editor or admin"));
+  }
+  const auto patterns = Split(request.scenes, ",");
+  const auto scope = SceneScope::Create({patterns.begin(), patterns.end()});
+  return scope.ok() ? absl::OkStatus() : WithFieldPrefix(scope.status(), "--");
+}
+
 void Make(const TokenRequest& request) {
+  if (auto status = Check(request); !status.ok()) {
+    throw CLI::ValidationError(std::string(status.message()));
+  }
   const std::string token = MakeBearerToken();
   const std::string line = LineOf(request, token);
   const auto parsed = IdentityFile::Parse(line);
