@@ -25,17 +25,24 @@ address=$(cat "$folder/address")
 
 # One bake after another, until the load is over.
 bake() {
-  "$penumbra" bake "$scene" --server "$address" --floor --size 64x64 --technique "$1" \
-    --out "$folder/$1" > "$folder/baked" 2>&1 || { cat "$folder/baked"; return 1; }
+  technique=$1
+  shift
+  [ ! -e "$folder/over" ] || return 0
+  if "$penumbra" bake "$scene" --server "$address" --technique "$technique" "$@" \
+    --out "$folder/$technique" > "$folder/baked" 2>&1; then
+    echo "$technique" >> "$folder/done"
+  else
+    cat "$folder/baked"
+    : > "$folder/failed"
+  fi
 }
-(
-  while :; do
-    for technique in soft_texture layered_attenuation shadow_width shadow_volume coherent_raytrace; do
-      [ ! -e "$folder/over" ] || exit 0
-      if bake "$technique"; then echo "$technique" >> "$folder/done"; else : > "$folder/failed"; fi
-    done
-  done
-) &
+while [ ! -e "$folder/over" ] && [ ! -e "$folder/failed" ]; do
+  bake soft_texture --floor --size 64x64
+  bake layered_attenuation --set resolution=64
+  bake shadow_width --set resolution=128
+  bake shadow_volume --set resolution=128
+  bake coherent_raytrace --picture 64x64 --samples 16
+done &
 bakes=$!
 
 status=0
