@@ -83,7 +83,12 @@ bool Detector::IsSlope(Gate gate) const {
   if (std::isinf(here)) return false;  // from infinitely far to nothing
   const auto is_same = [&](int steps) { return std::abs(here - Difference(gate, steps)) <= most; };
   const bool before = is_same(-1), after = is_same(1);
-  return (before && after) || (before && is_same(-2)) || (after && is_same(2));
+  if (before && after) return true;
+  // A slope that comes to its vanishing line within the next step ends here, whatever is behind it.
+  const float further =
+      std::min(grid_.At(gate.x, gate.y), grid_.At(gate.x + gate.is_right, gate.y + !gate.is_right));
+  if (!grid_.from_infinity() && further < std::abs(here)) return false;
+  return (before && is_same(-2)) || (after && is_same(2));
 }
 
 // Of what is marked in a row, in `words`, candidates have to be maxima, and the others not be a

@@ -102,6 +102,26 @@ TEST(EdgeMapTest, SlopesAreNoEdgesAndStepsAre) {
 }
 
 // A step that a sample lies in the middle of has two halves, of which neither is greater.
+// A table seen from just above it: in nearness a slope down to its vanishing line, and what is behind
+// it is not much further than that.
+TEST(EdgeMapTest, SlopesEndAtTheirVanishingLine) {
+  for (const double missing : {0.01, 0.05, 0.3, 0.7, 0.99}) {
+    for (const bool is_upside_down : {false, true}) {
+      const VolumeGrid grid = GridOf(MapOf(SomeView(30, 30, false), [&](uint32_t, uint32_t y) {
+        const uint32_t row = is_upside_down ? 29 - y : y;
+        return row <= 20 ? static_cast<float>(1 / (21 - missing - row)) : 50.0f;
+      }));
+      const EdgeMap edges = FindEdges(grid, {});
+      // The grid has a border of one. The last step of the slope may be taken for its end.
+      const uint32_t end = is_upside_down ? 9 : 21, last = is_upside_down ? 10 : 20;
+      for (uint32_t y = 1; y + 2 < grid.height(); ++y) {
+        if (y == last) continue;
+        EXPECT_EQ(edges.below(15, y), y == end) << missing << " " << is_upside_down << " " << y;
+      }
+    }
+  }
+}
+
 TEST(EdgeMapTest, StepsOfTwoHalvesAreEdges) {
   const double pixel = 0.7 / 40;
   const VolumeGrid grid = GridOf(MapOf(SomeView(40, 40, false), [&](uint32_t x, uint32_t) {
