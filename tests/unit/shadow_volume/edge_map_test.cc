@@ -102,8 +102,8 @@ TEST(EdgeMapTest, SlopesAreNoEdgesAndStepsAre) {
 }
 
 // A step that a sample lies in the middle of has two halves, of which neither is greater.
-// A table seen from just above it: in nearness a slope down to its vanishing line, and what is behind
-// it is not much further than that.
+// A table seen from just above it: in nearness a slope down to its vanishing line, and what is
+// behind it is not much further than that.
 TEST(EdgeMapTest, SlopesEndAtTheirVanishingLine) {
   for (const double missing : {0.01, 0.05, 0.3, 0.7, 0.99}) {
     for (const bool is_upside_down : {false, true}) {
