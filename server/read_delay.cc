@@ -42,6 +42,18 @@ constexpr std::chrono::milliseconds kTurn{12};
 // After two late ones in a row, for so long one is enough.
 constexpr std::chrono::seconds kAlert{1};
 
+// Of 2^64.
+constexpr uint64_t kGoldenRatio = 0x9E3779B97F4A7C15u;
+constexpr uint64_t kBlock = 64;
+
+// SplitMix64, of Steele, Lea and Flood 2014.
+uint64_t Mixed(uint64_t number) {
+  number *= kGoldenRatio;
+  number = (number ^ number >> 30) * 0xBF58476D1CE4E5B9u;
+  number = (number ^ number >> 27) * 0x94D049BB133111EBu;
+  return number ^ number >> 31;
+}
+
 grpc::ByteBuffer OneByte() {
   const grpc::Slice slice("?", 1);
   return grpc::ByteBuffer(&slice, 1);
@@ -205,7 +217,7 @@ ReadDelay::ReadDelay() : loop_(Loop::Open()) {}
 ReadDelay::~ReadDelay() = default;
 
 double ReadDelay::OnRequest() {
-  uint64_t number = ++requests_;
+  const uint64_t number = ++requests_;
   if (loop_ && number % kRequestsForOne == 0) {
     const auto now = Clock::now();
     if (now - eighth_.exchange(now) <= kMostForThem) {
@@ -213,12 +225,10 @@ double ReadDelay::OnRequest() {
       loop_->Send(now);
     }
   }
-  // SplitMix64, of Steele, Lea and Flood 2014. No sequence that is more even: where clients take
-  // turns, every one of them would draw nearly the same number for a long time.
-  number *= 0x9E3779B97F4A7C15u;
-  number = (number ^ number >> 30) * 0xBF58476D1CE4E5B9u;
-  number = (number ^ number >> 27) * 0x94D049BB133111EBu;
-  return static_cast<double>((number ^ number >> 31) >> 11) * 0x1p-53;
+  // Multiples of the golden ratio, which are spread evenly, begun anew somewhere else for each block:
+  // where clients take turns, one would otherwise draw nearly the same number for a long time.
+  const uint64_t lot = number * kGoldenRatio + Mixed(number / kBlock);
+  return static_cast<double>(lot >> 11) * 0x1p-53;
 }
 
 ReadDelay::Clock::duration ReadDelay::Now() const {
