@@ -225,7 +225,7 @@ double ReadDelay::OnRequest() {
       loop_->Send(now);
     }
   }
-  // Multiples of the golden ratio, which are spread evenly, begun anew somewhere else for each block:
+  // Multiples of the golden ratio, which are spread evenly, begun somewhere else in each block:
   // where clients take turns, one would otherwise draw nearly the same number for a long time.
   const uint64_t lot = number * kGoldenRatio + Mixed(number / kBlock);
   return static_cast<double>(lot >> 11) * 0x1p-53;
