@@ -18,7 +18,7 @@ class ProcessorAdmission {
   // `limits` outlives it.
   explicit ProcessorAdmission(const ServerLimits& limits) : limits_(limits) {}
 
-  // `has_unanswered`  other commits of the session have no answer yet
+  // `has_unanswered`  other requests of the session have no answer yet
   // Errors  those of AdmitByReadDelay
   absl::Status AdmitCommit(const std::string& principal, const void* session, bool has_unanswered);
 

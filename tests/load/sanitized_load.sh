@@ -13,7 +13,7 @@ trap 'kill $server $bakes 2> "$folder/why" || true; wait; rm -rf "$folder"' EXIT
 # What the sanitizer says is in files of its own. Instrumented, the server is late by any measure.
 report=log_path=$folder/report:halt_on_error=0
 ASAN_OPTIONS=$report:${ASAN_OPTIONS-} UBSAN_OPTIONS=$report:print_stacktrace=1:${UBSAN_OPTIONS-} \
-LSAN_OPTIONS=${LSAN_OPTIONS-} TSAN_OPTIONS=$report:${TSAN_OPTIONS-} \
+TSAN_OPTIONS=$report:${TSAN_OPTIONS-} \
   "$penumbrad" --listen 127.0.0.1:0 --data-dir "$folder/data" --address-file "$folder/address" \
   --max-read-delay 0 > "$folder/log" 2>&1 &
 server=$!

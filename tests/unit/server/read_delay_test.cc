@@ -71,7 +71,7 @@ TEST(ReadDelayTest, LotsAreSpreadEvenly) {
   std::vector<double> lots;
   for (int i = 0; i < 1'000; ++i) lots.push_back(delay.OnRequest());
   std::ranges::sort(lots);
-  for (size_t i = 0; i < lots.size(); ++i) EXPECT_NEAR(lots[i], i / 1e3, 0.05);
+  for (size_t i = 0; i < lots.size(); ++i) EXPECT_NEAR(lots[i], i / 1e3, 0.01);
 }
 
 // Of clients that take turns none is unlucky for long, however many they are.
