@@ -9,7 +9,6 @@
 #include <climits>
 #include <condition_variable>
 #include <mutex>
-#include <utility>
 
 #include "grpcpp/channel.h"
 #include "grpcpp/create_channel_posix.h"
@@ -19,6 +18,7 @@
 #include "grpcpp/server_builder.h"
 #include "grpcpp/server_posix.h"
 #include "render/math/hand_over.h"
+#include "server/delay_trend.h"
 #include "server/transport.h"
 
 namespace penumbra {
@@ -30,17 +30,9 @@ constexpr uint64_t kRequestsForOne = 8;
 constexpr std::chrono::milliseconds kMostForThem{20};
 // Between messages.
 constexpr std::chrono::milliseconds kInterval{5};
-// What is older says nothing about now.
-constexpr std::chrono::milliseconds kMemory{250};
 // Where so many have not come for so long they are few.
 constexpr std::chrono::milliseconds kFewSince{50};
 constexpr ReadDelay::Clock::duration kLongest = std::chrono::seconds(1);
-// A message that takes longer is late. One may be: a thread had to wait for its turn on a
-// processor, which does not take kTurn.
-constexpr std::chrono::milliseconds kLate{6};
-constexpr std::chrono::milliseconds kTurn{12};
-// After two late ones in a row, for so long one is enough.
-constexpr std::chrono::seconds kAlert{1};
 
 // Of 2^64.
 constexpr uint64_t kGoldenRatio = 0x9E3779B97F4A7C15u;
@@ -81,21 +73,18 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
   void Send(Clock::time_point now) {
     {
       std::lock_guard lock(mutex_);
-      if (is_broken_ || is_under_way_ || !is_written_ || now - sent_ < kInterval) return;
-      if (now - came_ >= kMemory) last_ = kNone;
-      is_under_way_ = true;
+      if (is_broken_ || trend_.is_under_way() || !is_written_ || now - trend_.sent() < kInterval) {
+        return;
+      }
       is_written_ = false;
-      sent_ = now;
+      trend_.OnSent(now);
     }
     sender_.Send();
   }
 
   Clock::duration Now() const {
-    const auto now = Clock::now();
     std::lock_guard lock(mutex_);
-    const Clock::duration so_far = is_under_way_ ? now - sent_ : kNone;
-    if (now >= alert_until_ && so_far < kTurn) return kNone;
-    return std::max(so_far, now - came_ < kMemory ? last_ : kNone);
+    return trend_.Now(Clock::now());
   }
 
  private:
@@ -189,7 +178,7 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
   void OnBroken() {
     std::lock_guard lock(mutex_);
     is_broken_ = true;
-    is_under_way_ = false;
+    trend_.OnLost();
   }
   void OnWritten() {
     std::lock_guard lock(mutex_);
@@ -197,18 +186,12 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
   }
   void OnCame() {
     std::lock_guard lock(mutex_);
-    is_under_way_ = false;
-    came_ = Clock::now();
-    const Clock::duration before = std::exchange(last_, came_ - sent_);
-    if (std::min(last_, before) >= kLate || last_ >= kTurn) alert_until_ = came_ + kAlert;
+    trend_.OnCame(Clock::now());
   }
 
-  static constexpr Clock::duration kNone = Clock::duration::zero();
-
-  mutable std::mutex mutex_;  // guards the next six
-  bool is_under_way_ = false, is_written_ = true, is_broken_ = false;
-  Clock::time_point sent_{}, came_{}, alert_until_{};
-  Clock::duration last_{};  // what the last one has taken
+  mutable std::mutex mutex_;  // guards the next three
+  DelayTrend trend_;
+  bool is_written_ = true, is_broken_ = false;
   Sender sender_;
   std::unique_ptr<grpc::Server> server_;
 };

@@ -29,8 +29,8 @@ class ReadDelay {
   // Returns the request's lot, in [0, 1).
   double OnRequest();
 
-  // What the last message took, or the one under way is taking, for a second after two in a row or
-  // one by much were late: one can be late by chance. Otherwise none.
+  // What the last message took, or the one under way is taking, where they come later and later or
+  // have done so within the last second (server/delay_trend.h). Otherwise none.
   Clock::duration Now() const;
 
  private:

@@ -3,18 +3,15 @@
 //   if (!HasKeptAll(before, engine, clients, deadline)) return EXIT_FAILURE;  // and says what not
 #pragma once
 
-#include <map>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "render/engine/engine.h"
 #include "tests/load/load_client.h"
+#include "tests/load/load_scenes.h"
 
 namespace penumbra::load {
 
-// By id.
-using ScenesBefore = std::map<std::string, std::shared_ptr<const Scene>>;
 using LoadClients = std::vector<std::unique_ptr<LoadClient>>;
 
 // Whether every scene of `before` is there and is what its commits make, and every client has been

@@ -9,15 +9,14 @@
 #include <thread>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "client/session/remote_engine.h"
 #include "tests/load/echo_load.h"
 #include "tests/load/kept_check.h"
 #include "tests/load/load_client.h"
+#include "tests/load/load_scenes.h"
 #include "tests/load/overload.h"
 #include "tests/load/percentiles.h"
-#include "tests/support/shapes.h"
 
 namespace penumbra::load {
 namespace {
@@ -32,20 +31,15 @@ struct Plan {
   double max_late_ms = 10;
 };
 
-Instance BoxOf(int client) {
-  static const auto mesh = testing::MeshOf(testing::UnitBoxGeometry());
-  return {.id = absl::StrCat("box", client), .mesh = mesh};
-}
-
 int Fail(const std::string& text) {
   std::fprintf(stderr, "penumbra_load: %s\n", text.c_str());
   return EXIT_FAILURE;
 }
 
 std::string SceneOf(const Plan& plan, int client) {
-  if (client < plan.viewers) return "load0";
+  if (client < plan.viewers) return SceneId(0);
   const int others = std::max(1, plan.scenes - 1);
-  return absl::StrCat("load", 1 + (client - plan.viewers) % others);
+  return SceneId(1 + (client - plan.viewers) % others);
 }
 
 // One editor after another, spread evenly over the time.
@@ -82,29 +76,9 @@ Report TimesOf(const LoadClients& clients) {
   return report;
 }
 
-// On a connection that ends with it: an engine mirrors all the scenes that it has used.
-absl::StatusOr<ScenesBefore> Prepare(const Plan& plan) {
-  const auto connected = RemoteEngine::Connect({.address = plan.server});
-  if (!connected.ok()) return connected.status();
-  Engine& engine = **connected;
-  ScenesBefore before;
-  for (int scene = 0; scene < plan.scenes; ++scene) {
-    const std::string id = absl::StrCat("load", scene);
-    engine.DeleteScene(id).IgnoreError();  // of an earlier load
-    if (auto status = engine.CreateScene(id); !status.ok()) return status;
-    SceneDelta delta;
-    delta.upsert_instances = {BoxOf(-1)};
-    if (auto revision = engine.Commit(id, delta); !revision.ok()) return revision.status();
-    auto snapshot = engine.Snapshot(id);
-    if (!snapshot.ok()) return snapshot.status();
-    before[id] = *snapshot;
-  }
-  return before;
-}
-
 int Run(const Plan& plan) {
   PrintPercentiles("echo", EchoLoad(plan.clients, plan.rate, std::min(20.0, plan.seconds)));
-  const auto before = Prepare(plan);
+  const auto before = MakeScenes(plan.server, plan.scenes);
   if (!before.ok()) return Fail(std::string(before.status().message()));
   LoadClients clients;
   for (int i = 0; i < plan.clients; ++i) {
@@ -129,9 +103,7 @@ int Overload(const Plan& plan, OverloadPlan overload) {
   overload.clients = plan.clients;
   overload.scenes = plan.scenes;
   overload.seconds = plan.seconds;
-  auto engine = RemoteEngine::Connect({.address = plan.server});
-  if (!engine.ok()) return Fail(std::string(engine.status().message()));
-  const absl::Status status = RunOverload(overload, **engine);
+  const absl::Status status = RunOverload(overload);
   return status.ok() ? EXIT_SUCCESS : Fail(std::string(status.message()));
 }
 

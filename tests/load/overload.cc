@@ -13,11 +13,12 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "client/session/remote_engine.h"
+#include "tests/load/load_scenes.h"
 #include "tests/load/open_client.h"
 #include "tests/load/outcome.h"
 #include "tests/load/overload_bars.h"
 #include "tests/load/percentiles.h"
-#include "tests/support/shapes.h"
 
 namespace penumbra::load {
 namespace {
@@ -28,27 +29,15 @@ using Clients = std::vector<std::unique_ptr<OpenClient>>;
 constexpr std::chrono::seconds kRampStep{4}, kRest{2}, kAfter{10};
 constexpr std::chrono::milliseconds kWindow{500};
 
-Instance BoxOf(int client) {
-  static const auto mesh = testing::MeshOf(testing::UnitBoxGeometry());
-  return {.id = absl::StrCat("box", client), .mesh = mesh};
-}
-
 class Overload {
  public:
   explicit Overload(const OverloadPlan& plan) : plan_(plan) {}
 
-  absl::Status Begin(Engine& engine) {
-    for (int scene = 0; scene < plan_.scenes; ++scene) {
-      const std::string id = absl::StrCat("load", scene);
-      engine.DeleteScene(id).IgnoreError();  // of an earlier load
-      if (auto status = engine.CreateScene(id); !status.ok()) return status;
-      SceneDelta delta;
-      delta.upsert_instances = {BoxOf(-1)};
-      if (auto revision = engine.Commit(id, delta); !revision.ok()) return revision.status();
-    }
+  absl::Status Begin() {
+    if (auto made = MakeScenes(plan_.server, plan_.scenes); !made.ok()) return made.status();
     for (int i = 0; i < plan_.clients; ++i) {
-      clients_.push_back(std::make_unique<OpenClient>(
-          plan_.server, absl::StrCat("load", i % plan_.scenes), BoxOf(i), plan_.is_deaf));
+      clients_.push_back(std::make_unique<OpenClient>(plan_.server, SceneId(i % plan_.scenes),
+                                                      BoxOf(i), plan_.is_deaf));
       if (auto status = clients_.back()->Open(); !status.ok()) return status;
     }
     return absl::OkStatus();
@@ -138,9 +127,9 @@ double PeakMemoryMb(int pid) {
 
 }  // namespace
 
-absl::Status RunOverload(const OverloadPlan& plan, Engine& engine) {
+absl::Status RunOverload(const OverloadPlan& plan) {
   Overload overload(plan);
-  if (auto status = overload.Begin(engine); !status.ok()) return status;
+  if (auto status = overload.Begin(); !status.ok()) return status;
   const double step_s = std::chrono::duration<double>(kRampStep).count();
   const double maximum = FindMaximum([&](double rate) {
     return overload.Summary(overload.Drive(rate, step_s, std::chrono::seconds(2)));
@@ -163,7 +152,9 @@ absl::Status RunOverload(const OverloadPlan& plan, Engine& engine) {
   const double usual_ms = std::max(3 * Percentile(before.answer_ms, 0.99), 33.0);
   found.seconds_to_normal = SecondsToNormal(records_after, usual_ms);
   if (auto status = overload.Ended(); !status.ok()) return status;
-  const auto scenes = engine.ListScenes();
+  const auto engine = RemoteEngine::Connect({.address = plan.server});
+  if (!engine.ok()) return engine.status();
+  const auto scenes = (*engine)->ListScenes();
   if (!scenes.ok()) return scenes.status();
   found.lost = LostCommits(overload.accepted_by_scene(), *scenes);
   Bars bars;

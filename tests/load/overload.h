@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "render/engine/engine.h"
+#include "absl/status/status.h"
 
 namespace penumbra::load {
 
@@ -23,6 +23,6 @@ struct OverloadPlan {
 // what came of it beside what is asked for.
 //
 // Errors  what the server says that does not let it begin; kFailedPrecondition: a bar was missed
-absl::Status RunOverload(const OverloadPlan& plan, Engine& engine);
+absl::Status RunOverload(const OverloadPlan& plan);
 
 }  // namespace penumbra::load

@@ -224,7 +224,7 @@ class BusyProcessorTest : public ::testing::Test {
 TEST_F(BusyProcessorTest, WhileRequestsWaitToBeReadCommitsAreRefused) {
   HeldThreads held;
   Commit(32);  // so many at once that the server asks whether it keeps up
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
   Commit(32);
   ASSERT_EQ(answers_.size(), 64u);
   int refused = 0;
@@ -249,7 +249,7 @@ TEST_F(BusyProcessorTest, AndOfThoseWhoSendLittleFew) {
   HeldThreads held;
   for (int i = 0; i < 20'000; ++i) parts_.processor().shares().OnRequest("another", &another);
   Commit(32);
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
   Commit(32);
   ASSERT_EQ(answers_.size(), 64u);
   int refused = 0;
@@ -263,7 +263,7 @@ TEST_F(BusyProcessorTest, ACommitThatIsSentAgainIsAnsweredAsItWas) {
   ASSERT_EQ(answers_[0], absl::OkStatus());
   HeldThreads held;
   Commit(32);
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
   Commit(32, "key");
   for (uint64_t id = 33; id < 65; ++id) EXPECT_EQ(answers_[id], absl::OkStatus()) << id;
 }
