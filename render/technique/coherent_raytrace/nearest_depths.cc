@@ -242,14 +242,15 @@ NearestDepths::NearestDepths(const LightView& view, const Scene& scene, const Wi
   const int width = static_cast<int>(view.width), height = static_cast<int>(view.height);
   levels_.push_back({width, height, std::vector<float>(size_t{view.width} * view.height)});
   Picture picture(width, height, levels_[0].nearest);
-  for (const auto& [id, instance] : scene.instances()) {
-    if (!instance->casts || stop.stop_requested()) continue;
-    const Mesh& mesh = *instance->mesh;
+  for (const auto& entry : scene.instances()) {
+    const Instance& instance = *entry.second;
+    if (!instance.casts || stop.stop_requested()) continue;
+    const Mesh& mesh = *instance.mesh;
     std::vector<DVec3> placed(mesh.vertex_count());
     const DVec3 eye = view.from_infinity ? DVec3(0.0) : view.eye;
     RunIn(arena, [&] {
       ParallelFor(placed.size(), [&](size_t i) {
-        const Vec3 p = TransformPoint(instance->world_from_mesh, mesh.positions()[i]);
+        const Vec3 p = TransformPoint(instance.world_from_mesh, mesh.positions()[i]);
         placed[i] = view.frame.FromWorld(DVec3(p)) - eye;
       });
       ParallelFor(mesh.triangle_count(), [&](size_t i) {

@@ -230,8 +230,8 @@ std::vector<GridCorner> MeetingsOf(std::span<const Contour> contours) {
   }
   const auto key = [](const GridCorner& cell) { return std::pair(cell.y, cell.x); };
   std::ranges::sort(cells, {}, key);
-  const auto rest = std::ranges::unique(cells, {}, key);
-  cells.erase(rest.begin(), rest.end());
+  const auto are_one = [&key](const auto& a, const auto& b) { return key(a) == key(b); };
+  cells.erase(std::unique(cells.begin(), cells.end(), are_one), cells.end());
   return cells;
 }
 
