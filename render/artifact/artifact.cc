@@ -11,8 +11,10 @@
 namespace penumbra {
 namespace {
 
+// The nearest there is; the first where t is not a number.
 uint32_t TexelOf(double t, uint32_t count) {
-  return static_cast<uint32_t>(std::clamp(std::floor(t * count), 0.0, count - 1.0));
+  const double texel = std::floor(t * count);
+  return texel > 0 ? static_cast<uint32_t>(std::min(texel, count - 1.0)) : 0;
 }
 
 struct Texel {

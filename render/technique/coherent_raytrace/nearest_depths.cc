@@ -245,17 +245,16 @@ NearestDepths::NearestDepths(const LightView& view, const Scene& scene, const Wi
   for (const auto& entry : scene.instances()) {
     const Instance& instance = *entry.second;
     if (!instance.casts || stop.stop_requested()) continue;
-    const Mesh& mesh = *instance.mesh;
-    std::vector<DVec3> placed(mesh.vertex_count());
+    std::vector<DVec3> placed(instance.mesh->vertex_count());
     const DVec3 eye = view.from_infinity ? DVec3(0.0) : view.eye;
     RunIn(arena, [&] {
       ParallelFor(placed.size(), [&](size_t i) {
-        const Vec3 p = TransformPoint(instance.world_from_mesh, mesh.positions()[i]);
+        const Vec3 p = TransformPoint(instance.world_from_mesh, instance.mesh->positions()[i]);
         placed[i] = view.frame.FromWorld(DVec3(p)) - eye;
       });
-      ParallelFor(mesh.triangle_count(), [&](size_t i) {
+      ParallelFor(instance.mesh->triangle_count(), [&](size_t i) {
         if (stop.stop_requested()) return;
-        const uint32_t* const corners = &mesh.indices()[3 * i];
+        const uint32_t* const corners = &instance.mesh->indices()[3 * i];
         TriangleDrawer(view, light, picture, beside_)
             .Draw({placed[corners[0]], placed[corners[1]], placed[corners[2]]});
       });

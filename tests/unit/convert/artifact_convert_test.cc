@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -96,6 +97,20 @@ TEST(ArtifactConvertTest, GridsAreCheckedBeforeAnythingIsAllocated) {
   EXPECT_EQ(ErrorReason(FromProto(header).status()), "RANGE");
   header.clear_kind();
   EXPECT_EQ(ErrorReason(FromProto(header).status()), "MISSING_FIELD");
+}
+
+// Found by fuzz_texture_updates: points have no texel on such a receiver.
+TEST(ArtifactConvertTest, AReceiverHasAnArea) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const Parallelogram& patch :
+       {Parallelogram{.edge_u = Vec3(0)}, Parallelogram{.edge_u = {1, 2, 3}, .edge_v = {2, 4, 6}},
+        Parallelogram{.origin = {0, nan, 0}}, Parallelogram{.edge_v = {1, nan, 0}}}) {
+    Artifact artifact = SomeArtifact();
+    TextureOf(artifact).receiver.patch = patch;
+    const auto status = FromProto(ToProto(artifact)).status();
+    EXPECT_EQ(ErrorReason(status), "RANGE") << status;
+    EXPECT_EQ(ErrorFieldPath(status), "soft_shadow_texture.receiver.patch");
+  }
 }
 
 v1::ArtifactUpdate WholeUpdate(const Artifact& artifact, uint64_t sequence) {
