@@ -30,6 +30,15 @@ void DelayTrend::OnCame(Clock::time_point now) {
   if (Lasts(before, last_) || (is_on_alert && is_late_again)) alert_until_ = now + kAlert;
 }
 
+void DelayTrend::OnAdmission(bool is_refused, Clock::time_point now) {
+  if (now >= alert_until_) return;
+  ++requests_;
+  refused_ += is_refused;
+  if (requests_ < kRequests) return;
+  if (refused_ >= kManyRefused) alert_until_ = now + kAlert;
+  requests_ = refused_ = 0;
+}
+
 DelayTrend::Clock::duration DelayTrend::Now(Clock::time_point now) const {
   const Clock::duration so_far = is_under_way_ ? now - sent_ : kNone;
   const Clock::duration last = Last(now);

@@ -9,7 +9,9 @@ absl::Status ProcessorAdmission::AdmitCommit(const std::string& principal, const
   const double lot = read_delay_.OnRequest();
   const CommitSender sender{.share = shares_.OnRequest(principal, session),
                             .has_unanswered = has_unanswered};
-  return AdmitByReadDelay(read_delay_.Now(), lot, sender, limits_);
+  const absl::Status status = AdmitByReadDelay(read_delay_.Now(), lot, sender, limits_);
+  read_delay_.OnAdmission(!status.ok());
+  return status;
 }
 
 }  // namespace penumbra

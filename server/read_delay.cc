@@ -82,6 +82,11 @@ class ReadDelay::Loop final : public grpc::CallbackGenericService {
     sender_.Send();
   }
 
+  void OnAdmission(bool is_refused) {
+    std::lock_guard lock(mutex_);
+    trend_.OnAdmission(is_refused, Clock::now());
+  }
+
   Clock::duration Now() const {
     std::lock_guard lock(mutex_);
     return trend_.Now(Clock::now());
@@ -212,6 +217,10 @@ double ReadDelay::OnRequest() {
   // where clients take turns, one would otherwise draw nearly the same number for a long time.
   const uint64_t lot = number * kGoldenRatio + Mixed(number / kBlock);
   return static_cast<double>(lot >> 11) * 0x1p-53;
+}
+
+void ReadDelay::OnAdmission(bool is_refused) {
+  if (loop_) loop_->OnAdmission(is_refused);
 }
 
 ReadDelay::Clock::duration ReadDelay::Now() const {

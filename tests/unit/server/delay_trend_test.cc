@@ -97,6 +97,25 @@ TEST_F(DelayTrendTest, AndForAnotherAfterEachThatIsVeryLate) {
   EXPECT_EQ(trend_.Now(now_), Clock::duration::zero());
 }
 
+// They come back: nothing is late because they were sent away.
+TEST_F(DelayTrendTest, AndWhileManyAreRefused) {
+  Come({10, 10, 1});
+  for (int second = 0; second < 10; ++second) {
+    Wait(700);
+    for (int i = 0; i < 200; ++i) trend_.OnAdmission(i % 30 == 0, now_);
+    Come({3});
+    EXPECT_EQ(trend_.Now(now_), milliseconds(3)) << second;
+  }
+  Wait(700);
+  for (int i = 0; i < 1'000; ++i) trend_.OnAdmission(i % 40 == 0, now_);
+  Wait(300);
+  Come({3});
+  EXPECT_EQ(trend_.Now(now_), Clock::duration::zero()) << "five of 200 are few";
+  for (int i = 0; i < 1'000; ++i) trend_.OnAdmission(true, now_);
+  Come({3});
+  EXPECT_EQ(trend_.Now(now_), Clock::duration::zero()) << "it does not begin so";
+}
+
 TEST_F(DelayTrendTest, OneThatDoesNotComeCounts) {
   trend_.OnSent(now_);
   Wait(249);
