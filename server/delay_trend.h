@@ -1,7 +1,6 @@
-// How late messages come that are sent one after another, where that is more than a moment: a
-// thread has to wait for its turn, or a whole machine stands still, and what has piled up meanwhile
-// is soon read. So of what is late it takes two, the second no sooner than the first: more comes
-// than is read.
+// How late messages come that are sent one after another, where that lasts: a thread has to wait
+// for its turn, or a whole machine stands still, and what has piled up meanwhile is soon read. So
+// of what is late it takes two, the second hardly sooner than the first: as much comes as is read.
 //
 //   DelayTrend trend;
 //   trend.OnSent(now);
@@ -18,15 +17,19 @@ class DelayTrend {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // What is older says nothing about now; and one message alone counts when it has taken so long.
+  // What is older says nothing about now.
   static constexpr std::chrono::milliseconds kMemory{250};
-  // A message that takes longer is late.
+  // A message that takes longer is late. One may be by chance, but none by so much as the second.
   static constexpr std::chrono::milliseconds kLate{6}, kVeryLate{12};
-  // For so long after two late ones, the second no sooner, all count. Within that, for so long
-  // again after two late ones, one that is very late, or when so many of so many requests were
-  // refused for what it says: they come back.
+  // One that is under way for so long counts alone.
+  static constexpr std::chrono::milliseconds kAlone{250};
+  // For so long after two late ones all count, and for so long again after two within that, or one
+  // that is very late.
   static constexpr std::chrono::seconds kAlert{1};
-  static constexpr int kManyRefused = 6, kRequests = 200;
+  // At its end, if there was a late one lately, it begins anew where this part of the requests was
+  // refused: then few are late because many were sent away, who come back.
+  static constexpr double kManyRefused = 0.03;
+  static constexpr std::chrono::seconds kLately{5};
 
   void OnSent(Clock::time_point now);  // the last one has come
   void OnCame(Clock::time_point now);  // the one under way
@@ -45,9 +48,9 @@ class DelayTrend {
   Clock::duration Last(Clock::time_point now) const;
 
   bool is_under_way_ = false;
-  Clock::time_point sent_{}, came_{}, alert_until_{};
-  Clock::duration last_{};  // what the last one has taken
-  int requests_ = 0, refused_ = 0;
+  Clock::time_point sent_{}, came_{}, late_{}, alert_until_{};
+  Clock::duration last_{};             // what the last one has taken; none: too long ago
+  double requests_ = 0, refused_ = 0;  // in this alert
 };
 
 }  // namespace penumbra

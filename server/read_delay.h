@@ -28,11 +28,11 @@ class ReadDelay {
 
   // Returns the request's lot, in [0, 1).
   double OnRequest();
-  // Whether that request was then refused because of Now().
+  // Whether that request was to be refused because of Now().
   void OnAdmission(bool is_refused);
 
-  // What the last message took, or the one under way is taking, where they come later and later or
-  // have done so within the last second (server/delay_trend.h). Otherwise none.
+  // What the last message took, or the one under way is taking, where DelayTrend finds that to
+  // last. Otherwise none.
   Clock::duration Now() const;
 
  private:

@@ -12,6 +12,7 @@
 #include "proto/convert/volume_convert.h"
 #include "proto/convert/width_convert.h"
 #include "render/scene/field_error.h"
+#include "render/scene/scene_check.h"
 
 namespace penumbra {
 namespace {
@@ -149,15 +150,6 @@ void ReadTexels(const Proto& proto, uint32_t width, uint32_t height, ShadowTexel
   if (IsUnorm(texels.radiance->format)) texels.radiance->scale = proto.radiance_scale();
 }
 
-absl::Status CheckPatch(const Parallelogram& patch) {
-  const bool is_finite = IsFinite(patch.origin) && IsFinite(patch.edge_u) && IsFinite(patch.edge_v);
-  if (is_finite && glm::cross(DVec3(patch.edge_u), DVec3(patch.edge_v)) != DVec3(0.0)) {
-    return absl::OkStatus();
-  }
-  return RangeError("soft_shadow_texture.receiver.patch", "none that has an area",
-                    "finite numbers and edges in two directions");
-}
-
 absl::StatusOr<SoftShadowTexture> Read(const v1::SoftShadowTexture& proto,
                                        const SceneLimits& limits) {
   const uint32_t width = proto.receiver().width(), height = proto.receiver().height();
@@ -169,7 +161,8 @@ absl::StatusOr<SoftShadowTexture> Read(const v1::SoftShadowTexture& proto,
   if (!light.ok()) return light.status();
   SoftShadowTexture texture;
   texture.receiver = Read(proto.receiver());
-  if (status = CheckPatch(texture.receiver.patch); !status.ok()) return status;
+  status = CheckPatch(texture.receiver.patch, "soft_shadow_texture.receiver.patch");
+  if (!status.ok()) return status;
   texture.light = *std::move(light);
   ReadTexels(proto, width, height, texture);
   if (proto.has_coverage()) texture.coverage = std::make_shared<CoverageMask>(width, height);

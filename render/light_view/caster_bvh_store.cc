@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "render/light_view/placed_triangles.h"
+#include "render/math/hand_over.h"
 
 namespace penumbra {
 namespace {
@@ -33,15 +34,23 @@ void Attach(RTCScene scene, RTCGeometry geometry) {
   rtcReleaseGeometry(geometry);
 }
 
+// What Embree asks in threads of its own.
+struct Progress {
+  const std::stop_token& stop;
+  HandOver to_embree;
+};
+
 // Embree asks for each thousand triangles, once it has split them that far: a stop is obeyed
 // within 0.1 s for a million triangles, within 2 s for the largest mesh.
 void Commit(RTCScene scene, const std::stop_token& stop) {
-  rtcSetSceneProgressMonitorFunction(
-      scene,
-      [](void* token, double) {
-        return !static_cast<const std::stop_token*>(token)->stop_requested();
-      },
-      const_cast<std::stop_token*>(&stop));
+  Progress progress{.stop = stop, .to_embree = {}};
+  progress.to_embree.Give();
+  const auto goes_on = [](void* of, double) {
+    auto& asked = *static_cast<Progress*>(of);
+    asked.to_embree.Take();
+    return !asked.stop.stop_requested();
+  };
+  rtcSetSceneProgressMonitorFunction(scene, goes_on, &progress);
   rtcCommitScene(scene);
   rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
 }

@@ -226,4 +226,11 @@ absl::Status CheckReceiver(const Receiver& receiver, std::string_view path,
   return check.status();
 }
 
+absl::Status CheckPatch(const Parallelogram& patch, std::string_view path) {
+  const SceneLimits anywhere{.max_coordinate = std::numeric_limits<float>::max()};
+  Checker check(path, anywhere);
+  CheckReceiverShape{check}(patch);
+  return check.status();
+}
+
 }  // namespace penumbra

@@ -13,8 +13,6 @@ using Fate = CommitRecord::Fate;
 constexpr double kCarriedFraction = 0.99;
 constexpr double kCarriedP99Ms = 100;
 constexpr double kFirstRate = 250, kStep = 1.25, kMostRate = 64'000;
-// Something else may run on the machine meanwhile.
-constexpr int kTries = 3;
 
 }  // namespace
 

@@ -29,8 +29,10 @@ Outcome Summarize(const std::vector<CommitRecord>& records, double seconds, doub
 // within 100 ms.
 bool IsCarried(const Outcome& outcome);
 
+// So often a rate is tried: something else may run on the machine meanwhile.
+inline constexpr int kTries = 3;
 // The greatest goodput of the rates, each a quarter more than the one before, that were carried by
-// the first or the second try; 0: not even the first. `drive` sends at a rate, in commits a second.
+// one of the tries; 0: not even the first. `drive` sends at a rate, in commits a second.
 double FindMaximum(const std::function<Outcome(double rate)>& drive);
 
 void Print(const char* name, const Outcome& outcome);

@@ -87,7 +87,7 @@ TEST(FindMaximumTest, OneNoisyStepDoesNotEndTheRamp) {
   EXPECT_LT(quiet, 2'000);
   tries.clear();
   EXPECT_EQ(FindMaximum([&](double rate) { return drive(rate, true); }), quiet);
-  EXPECT_EQ(tries.rbegin()->second, 3) << "three times is not carried";
+  EXPECT_EQ(tries.rbegin()->second, kTries);
 }
 
 }  // namespace

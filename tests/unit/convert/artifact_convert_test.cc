@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <variant>
 
 #include "proto/convert/artifact_assembler.h"
@@ -102,15 +103,21 @@ TEST(ArtifactConvertTest, GridsAreCheckedBeforeAnythingIsAllocated) {
 // Found by fuzz_texture_updates: points have no texel on such a receiver.
 TEST(ArtifactConvertTest, AReceiverHasAnArea) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (const Parallelogram& patch :
-       {Parallelogram{.edge_u = Vec3(0)}, Parallelogram{.edge_u = {1, 2, 3}, .edge_v = {2, 4, 6}},
-        Parallelogram{.origin = {0, nan, 0}}, Parallelogram{.edge_v = {1, nan, 0}}}) {
+  const std::string patch = "soft_shadow_texture.receiver.patch.";
+  for (const auto& [wrong, reason, field] :
+       {std::tuple{Parallelogram{.edge_u = Vec3(0)}, "ZERO_AREA", "edge_u"},
+        {{.edge_u = {1, 2, 3}, .edge_v = {2, 4, 6.0000005f}}, "ZERO_AREA", "edge_v"},
+        {{.origin = {0, nan, 0}}, "NON_FINITE", "origin"},
+        {{.edge_v = {1, nan, 0}}, "NON_FINITE", "edge_v"}}) {
     Artifact artifact = SomeArtifact();
-    TextureOf(artifact).receiver.patch = patch;
+    TextureOf(artifact).receiver.patch = wrong;
     const auto status = FromProto(ToProto(artifact)).status();
-    EXPECT_EQ(ErrorReason(status), "RANGE") << status;
-    EXPECT_EQ(ErrorFieldPath(status), "soft_shadow_texture.receiver.patch");
+    EXPECT_EQ(ErrorReason(status), reason) << status;
+    EXPECT_EQ(ErrorFieldPath(status), patch + field);
   }
+  Artifact far = SomeArtifact();
+  TextureOf(far).receiver.patch.origin = Vec3(2e9f);  // as of an instance whose box reaches so far
+  EXPECT_EQ(FromProto(ToProto(far)).status(), absl::OkStatus());
 }
 
 v1::ArtifactUpdate WholeUpdate(const Artifact& artifact, uint64_t sequence) {

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <vector>
 
+#include "server/scene_store/commit_admission.h"
+
 namespace penumbra::testing {
 namespace {
 
@@ -32,6 +34,14 @@ class DelayTrendTest : public ::testing::Test {
     }
   }
 
+  // Ten requests a millisecond, of which one in so many is refused.
+  void Ask(int ms, int one_in) {
+    for (int i = 0; i < 10 * ms; ++i) {
+      if (i % 10 == 0) Wait(1);
+      trend_.OnAdmission(i % one_in == 0, now_);
+    }
+  }
+
   Clock::time_point now_ = Clock::time_point() + std::chrono::hours(1);
   DelayTrend trend_;
   Clock::duration greatest_{};
@@ -52,6 +62,13 @@ TEST_F(DelayTrendTest, OneLateIsNoDelay) {
 TEST_F(DelayTrendTest, APauseIsNoDelay) {
   Come({1, 1, 72, 40, 22, 12, 7, 4, 2, 1});
   EXPECT_EQ(greatest_, Clock::duration::zero());
+  Come({200, 160, 128, 102, 82, 65, 52, 42, 33, 27, 21, 17, 14, 11, 9, 7, 5, 1});
+  EXPECT_EQ(greatest_, Clock::duration::zero()) << "at four fifths of what can be read";
+}
+
+TEST_F(DelayTrendTest, WhatHardlyGetsLessIsADelay) {
+  Come({240, 230, 220});
+  EXPECT_EQ(trend_.Now(now_), milliseconds(220));
 }
 
 // Twice of what can be read comes: each waits twice as long as the one before.
@@ -100,20 +117,45 @@ TEST_F(DelayTrendTest, AndForAnotherAfterEachThatIsVeryLate) {
 // They come back: nothing is late because they were sent away.
 TEST_F(DelayTrendTest, AndWhileManyAreRefused) {
   Come({10, 10, 1});
-  for (int second = 0; second < 10; ++second) {
-    Wait(700);
-    for (int i = 0; i < 200; ++i) trend_.OnAdmission(i % 30 == 0, now_);
-    Come({3});
-    EXPECT_EQ(trend_.Now(now_), milliseconds(3)) << second;
+  Ask(4'500, 25);
+  Come({3});
+  EXPECT_EQ(trend_.Now(now_), milliseconds(3));
+  Ask(3'000, 25);
+  Come({3});
+  EXPECT_EQ(trend_.Now(now_), Clock::duration::zero()) << "but not for ever";
+}
+
+TEST_F(DelayTrendTest, FewThatAreRefusedDoNotProlongIt) {
+  Come({10, 10, 1});
+  Ask(1'100, 40);
+  Come({3});
+  EXPECT_EQ(trend_.Now(now_), Clock::duration::zero());
+  Ask(5, 1);
+  Come({3});
+  EXPECT_EQ(trend_.Now(now_), Clock::duration::zero()) << "and nothing begins so";
+  Come({10, 10, 1});
+  Wait(2'000);
+  Ask(1, 1);
+  Come({3});
+  EXPECT_EQ(trend_.Now(now_), Clock::duration::zero()) << "nor when it is long over";
+}
+
+// At a fifth of the limit some are refused on alert, which does not keep itself alive.
+TEST_F(DelayTrendTest, AUsualDelayEndsIt) {
+  const ServerLimits limits;
+  const CommitSender sender{.share = {.of_mean = 1, .sessions = 200}, .has_unanswered = true};
+  Come({10, 10});
+  int refused_at_first = 0, refused = 0;
+  for (int i = 0; i < 2'000; ++i) {
+    Come({2});
+    for (int request = 0; request < 10; ++request) {
+      const auto status = AdmitByReadDelay(trend_.Now(now_), request / 10.0, sender, limits);
+      trend_.OnAdmission(!status.ok(), now_);
+      (i < 1'400 ? refused_at_first : refused) += !status.ok();
+    }
   }
-  Wait(700);
-  for (int i = 0; i < 1'000; ++i) trend_.OnAdmission(i % 40 == 0, now_);
-  Wait(300);
-  Come({3});
-  EXPECT_EQ(trend_.Now(now_), Clock::duration::zero()) << "five of 200 are few";
-  for (int i = 0; i < 1'000; ++i) trend_.OnAdmission(true, now_);
-  Come({3});
-  EXPECT_EQ(trend_.Now(now_), Clock::duration::zero()) << "it does not begin so";
+  EXPECT_GT(refused_at_first, 0);
+  EXPECT_EQ(refused, 0) << "after seven seconds";
 }
 
 TEST_F(DelayTrendTest, OneThatDoesNotComeCounts) {
@@ -132,10 +174,18 @@ TEST_F(DelayTrendTest, WhatIsOldSaysNothing) {
   Come({10});
   Wait(250);
   Come({10});
-  Come({9});
+  Come({8});
   EXPECT_EQ(greatest_, Clock::duration::zero()) << "two in a row, but long after one another";
-  Come({9});
-  EXPECT_EQ(trend_.Now(now_), milliseconds(9));
+  Come({8});
+  EXPECT_EQ(trend_.Now(now_), milliseconds(8));
+  Come({1});
+  Wait(1'100);
+  Come({10});
+  Wait(200);
+  trend_.OnSent(now_);
+  Wait(100);
+  EXPECT_EQ(trend_.Now(now_), milliseconds(100)) << "the one before was not old when it was sent";
+  trend_.OnCame(now_);
   Wait(250);
   EXPECT_EQ(trend_.Now(now_), Clock::duration::zero());
 }

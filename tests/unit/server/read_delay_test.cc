@@ -33,7 +33,7 @@ TEST(ReadDelayTest, IsNoneWhereNobodyAsks) {
 TEST(ReadDelayTest, IsNoneWhereFewAsk) {
   ReadDelay delay;
   HeldThreads held;
-  for (int i = 0; i < 32; ++i) {
+  for (int i = 0; i < 120; ++i) {
     delay.OnRequest();
     std::this_thread::sleep_for(milliseconds(5));
   }
