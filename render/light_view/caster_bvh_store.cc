@@ -37,21 +37,24 @@ void Attach(RTCScene scene, RTCGeometry geometry) {
 // What Embree asks in threads of its own.
 struct Progress {
   const std::stop_token& stop;
-  HandOver to_embree;
+  HandOver to_embree{}, from_embree{};
 };
 
 // Embree asks for each thousand triangles, once it has split them that far: a stop is obeyed
 // within 0.1 s for a million triangles, within 2 s for the largest mesh.
 void Commit(RTCScene scene, const std::stop_token& stop) {
-  Progress progress{.stop = stop, .to_embree = {}};
+  Progress progress{.stop = stop};
   progress.to_embree.Give();
   const auto goes_on = [](void* of, double) {
     auto& asked = *static_cast<Progress*>(of);
     asked.to_embree.Take();
-    return !asked.stop.stop_requested();
+    const bool is_wanted = !asked.stop.stop_requested();
+    asked.from_embree.Give();
+    return is_wanted;
   };
   rtcSetSceneProgressMonitorFunction(scene, goes_on, &progress);
   rtcCommitScene(scene);
+  progress.from_embree.Take();
   rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
 }
 
