@@ -104,6 +104,11 @@ double MiB(uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 struct Growth {
   double most_mib = 0;        // over what it was before
   double mib_per_minute = 0;  // over the second half
+
+  void Include(const Growth& other) {
+    most_mib = std::max(most_mib, other.most_mib);
+    mib_per_minute = std::max(mib_per_minute, other.mib_per_minute);
+  }
 };
 
 // Of the server, while `work` runs.
@@ -124,7 +129,7 @@ Growth GrowthDuring(const SharedScene& scene, Work work) {
 std::vector<Row> SilentReaderRows(SharedScene& scene) {
   Watchers readers = OrDie(load::OpenWatchers(scene, kReaders));
   std::vector<double> without_ms, with_ms;
-  Growth most;
+  Growth most, most_without;
   const auto drag = [&](std::vector<double>& latencies_ms) {
     for (const auto& reader : readers) reader->TakeArrivals();
     const load::LampDrag lamp = OrDie(scene.DragLamp(kEditRate, kPhaseSeconds));
@@ -136,19 +141,19 @@ std::vector<Row> SilentReaderRows(SharedScene& scene) {
     }
   };
   for (int i = 0; i < kPhases; ++i) {
-    drag(without_ms);
+    most_without.Include(GrowthDuring(scene, [&] { drag(without_ms); }));
     Watchers silent;
-    const Growth growth = GrowthDuring(scene, [&] {
+    most.Include(GrowthDuring(scene, [&] {
       silent = OrDie(load::OpenWatchers(scene, kSilent, {.reads = false}));
       drag(with_ms);
-    });
-    most.most_mib = std::max(most.most_mib, growth.most_mib);
-    most.mib_per_minute = std::max(most.mib_per_minute, growth.mib_per_minute);
+    }));
   }
   const double with_p99 = Percentile(with_ms, 0.99), without_p99 = Percentile(without_ms, 0.99);
   const std::string prefix = "service.silent_readers.";
   return {{prefix + "memory_growth", most.most_mib, "MiB"},
           {prefix + "memory_slope", most.mib_per_minute, "MiB/min"},
+          {prefix + "memory_growth_without", most_without.most_mib, "MiB"},
+          {prefix + "memory_slope_without", most_without.mib_per_minute, "MiB/min"},
           {prefix + "others_p99", with_p99, "ms"},
           {prefix + "others_p99_without", without_p99, "ms"},
           {prefix + "others_p99_ratio", with_p99 / without_p99, "ratio"}};
