@@ -9,6 +9,7 @@ machine should then have nothing else to do.
 """
 
 import contextlib
+import functools
 import json
 import os
 import pathlib
@@ -33,6 +34,7 @@ MAX_BYTES = 64 << 20
 HELLO = b"\x0a\x0b\x0a\x01\x01\x12\x06studio"
 MAX_SECONDS = 2.0
 MAX_SLOWER = 3.0
+TRIES = 3
 MEASURED_S = 3.0  # before an attack, and at least as long from its begin
 
 
@@ -108,7 +110,30 @@ class GoodClient:
                 percentile99([took for due, took in answers if due >= self.begun]))
 
 
+class Slower(AssertionError):
+    """Another client waited longer than it may."""
+
+
+def with_tries(test):
+    """The same, again where another client waited: a machine may stand still for a moment."""
+    @functools.wraps(test)
+    def tried(self):
+        for _ in range(TRIES - 1):
+            try:
+                return test(self)
+            except Slower as slower:
+                print(f"{self._testMethodName}: {slower}: once more")
+        return test(self)
+    return tried
+
+
 class HostileTest(unittest.TestCase):
+    def __init_subclass__(cls):
+        super().__init_subclass__()
+        for name, test in list(vars(cls).items()):
+            if name.startswith("test_"):
+                setattr(cls, name, with_tries(test))
+
     @classmethod
     def setUpClass(cls):
         cls.server = Server()
@@ -136,7 +161,8 @@ class HostileTest(unittest.TestCase):
             before, during = other.end()
             print(f"{self._testMethodName}: another client's p99 {1e3 * before:.2f} ms before, "
                   f"{1e3 * during:.2f} ms during it")
-            self.assertLessEqual(during, MAX_SLOWER * before)
+            if during > MAX_SLOWER * before:
+                raise Slower(f"{during / before:.1f} times, may be {MAX_SLOWER:.1f}")
 
 
 class DirectTest(HostileTest):
