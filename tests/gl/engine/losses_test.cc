@@ -30,8 +30,8 @@ class Losses {
 
   gl::Fault At(std::string_view what) {
     if (what == "gl::Context") jobs_done_ = 0;
-    if (what == "gl::Worker") ++jobs_done_;
     const bool is_due = jobs_done_ > 0 && dice_.Below(12) == 0;
+    if (what == "gl::Worker") ++jobs_done_;  // asked at a job's end, which is a check of it too
     if (!is_due || count_ == most_) return gl::Fault::kNone;
     ++count_;
     jobs_done_ = 0;  // it is lost once
