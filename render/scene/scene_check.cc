@@ -1,6 +1,7 @@
 #include "render/scene/scene_check.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <utility>

@@ -18,7 +18,8 @@ absl::Status CheckInstance(const Instance& instance, std::string_view path,
 absl::Status CheckLight(const AreaLight& light, std::string_view path, const SceneLimits& limits);
 absl::Status CheckReceiver(const Receiver& receiver, std::string_view path,
                            const SceneLimits& limits);
-// As of a receiver's, but wherever it is: of one that is placed already.
+// As of a receiver's, but wherever it is: of one that is placed already. Errors: kInvalidArgument
+// NON_FINITE, ZERO_AREA.
 absl::Status CheckPatch(const Parallelogram& patch, std::string_view path);
 
 }  // namespace penumbra
